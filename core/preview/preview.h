@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+
+#include "core/base/camera.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/geometry/mesh.h"
+#include "core/geometry/surface.h"
+
+namespace relight {
+
+struct PreviewOptions {
+    int width = 800, height = 600;
+    int samples = 8;        ///< multisamples a pixel (what the driver allows)
+    Rgb8 background{};      ///< display-referred
+    double point_radius = 0.0;  ///< clouds: pixels; 0 chooses
+};
+
+/// 8-bit RGB picture, row 0 on top.
+struct Picture {
+    int width{}, height{};
+    std::vector<Rgb8> pixels;
+    std::vector<unsigned char> alpha;  ///< 255 where the surface is
+};
+
+/// VTK's picture of the surface with these display-referred vertex colours as they are (no lighting of
+/// VTK's), on a surfaceless EGL context: no display needed. Calls are served one after the other by one
+/// long-lived render thread. Error Internal if there is no EGL driver.
+Result<Picture> preview(const Mesh& mesh, const Surface& surface, std::span<const Rgb8> colors,
+                        const Camera& camera, const PreviewOptions& options, Progress& progress);
+
+}  // namespace relight

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/camera.h"
+#include "core/bsdf/material.h"
+#include "core/light/light.h"
+
+namespace relight {
+
+enum class Units { Radiometric, Photometric };
+
+/// Whence radiance is seen, per vertex.
+struct NormalView {};
+struct CameraView {};  ///< from Scene::camera's eye
+struct DirectionView {
+    Dir3 toward_viewer;
+};
+using View = std::variant<NormalView, CameraView, DirectionView>;
+
+enum class Terminator { None, Smooth };
+
+struct TransportOptions {
+    bool shadows = true;
+    bool two_sided = false;  ///< receivers take light on both faces
+    Terminator terminator = Terminator::Smooth;  ///< of points inside triangles (images); a vertex is its own tangent plane
+    std::optional<double> max_distance;  ///< occluders beyond it [scene units] do not shadow
+};
+
+/// The request, validated: what is to be computed. How it is written is the server's Output.
+struct Scene {
+    Units units = Units::Radiometric;
+    double length_unit_m = 1.0;  ///< metres in one length unit of the file
+    std::vector<Light> lights;
+    Material material = Lambert{};
+    View view = NormalView{};
+    Camera camera;
+    TransportOptions transport;
+};
+
+}  // namespace relight

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/base/parallel.h"
+#include "core/geometry/mesh.h"
+#include "core/geometry/surface.h"
+
+namespace relight {
+
+/// A shadow ray in scene units: from p (already off the surface) toward wi, as far as `distance`.
+struct ShadowRay {
+    Point3 origin;
+    Dir3 direction;
+    double distance{};  ///< scene units; infinite is allowed
+};
+
+/// What a camera ray meets first.
+struct Hit {
+    double distance{};       ///< scene units
+    std::uint32_t primitive{};  ///< triangle of the Surface, or point of the cloud
+    double u{}, v{};         ///< barycentric: p = (1-u-v) a + u b + v c; 0 for points
+    bool is_point{};
+};
+
+struct BvhOptions {
+    double point_radius_scale = 1.5;  ///< radius of a cloud's discs in units of the local spacing
+    unsigned threads = 0;
+};
+
+/// Embree's acceleration structure over a surface's triangles, or over its points as oriented discs
+/// when it has no triangles. Coordinates are recentred and scaled to the unit box (a power of two) in
+/// double before they become float, so position and size of the model do not matter. Immutable; any
+/// number of threads may ask at once. Rays must be finite.
+class Bvh {
+  public:
+    Bvh(const Mesh& mesh, const Surface& surface, const BvhOptions& options);
+    Bvh(Bvh&&) noexcept;
+    Bvh& operator=(Bvh&&) noexcept;
+    ~Bvh();
+
+    /// blocked[i] = 1 where anything stands in the way of rays[i]. Robust; two-sided occluders.
+    void occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> blocked) const;
+
+    /// The nearest thing from origin along direction beyond `from` [scene units]; primitive ~0 if none.
+    Hit nearest(Point3 origin, Dir3 direction, double from = 0.0) const;
+
+    /// How far along its normal a receiver at vertex v steps before it looks around, scene units.
+    /// Grows with the magnitude of the coordinates (their rounding) and with the local edge.
+    double offset(double spacing) const;
+
+    std::uint64_t bytes() const;  ///< memory held
+
+    /// Version and instruction set of the ray kernel: "Embree 3.13.5, AVX2".
+    static std::string kernel();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace relight
