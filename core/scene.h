@@ -25,8 +25,9 @@ enum class Terminator { None, Smooth };
 
 struct TransportOptions {
     bool shadows = true;
-    bool two_sided = false;  ///< receivers take light on both faces
-    Terminator terminator = Terminator::Smooth;  ///< of points inside triangles (images); a vertex is its own tangent plane
+    bool two_sided = false;                      ///< receivers take light on both faces
+    Terminator terminator = Terminator::Smooth;  ///< of points inside triangles (images); a vertex
+                                                 ///< is its own tangent plane
     std::optional<double> max_distance;  ///< occluders beyond it [scene units] do not shadow
 };
 

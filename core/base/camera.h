@@ -37,7 +37,8 @@ inline CameraAxes axes(const Camera& camera)
 
 /// Direction through the image-plane point (x, y) [pixels, (0,0) the top left corner of the image].
 /// d = ((2x/W - 1) t W/H, (1 - 2y/H) t, -1), t = tan(fov_y / 2). Contract section 9.
-inline Dir3 through_pixel(const CameraAxes& a, double fov_y, int width, int height, double x, double y)
+inline Dir3 through_pixel(const CameraAxes& a, double fov_y, int width, int height, double x,
+                          double y)
 {
     const double t = std::tan(0.5 * fov_y);
     const double u = (2.0 * x / width - 1.0) * t * width / height;
@@ -45,7 +46,28 @@ inline Dir3 through_pixel(const CameraAxes& a, double fov_y, int width, int heig
     return normalize(Vec3(a.right) * u + Vec3(a.up) * v - Vec3(a.back));
 }
 
-/// Linear radiance on a pixel grid, row 0 on top; coverage is the share of the pixel that hit something.
+/// Solid angle of a pixel [sr]: of its corners on the plane at unit distance, by
+/// omega(x, y) = atan(x y / sqrt(1 + x^2 + y^2)) inclusion-exclusion. Contract section 9.
+inline double pixel_solid_angle(double fov_y, int width, int height, int x, int y)
+{
+    const double t = std::tan(0.5 * fov_y);
+    const auto corner = [&](int i, int j) {
+        const double u = (2.0 * i / width - 1.0) * t * width / height;
+        const double v = (1.0 - 2.0 * j / height) * t;
+        return std::atan(u * v / std::sqrt(1.0 + u * u + v * v));
+    };
+    return corner(x + 1, y) - corner(x, y) - corner(x + 1, y + 1) + corner(x, y + 1);
+}
+
+/// A = omega d^2 / cos(theta): area [m^2] that a narrow pixel cone cuts from a surface at distance
+/// d.
+inline double footprint_area(double solid_angle, double distance, double cos_theta)
+{
+    return solid_angle * distance * distance / cos_theta;
+}
+
+/// Linear radiance on a pixel grid, row 0 on top; coverage is the share of the pixel that hit
+/// something.
 struct Image {
     int width{}, height{};
     std::vector<Rgbf> pixels;     ///< width * height, linear Rec.709, background already mixed in

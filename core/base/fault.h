@@ -24,12 +24,12 @@ enum class Fault {
     NotAvailable,       // in the contract, not in this build
     // a file
     EmptyFile,
-    UnknownFormat,       // neither named nor recognised
+    UnknownFormat,  // neither named nor recognised
     MalformedHeader,
-    MalformedBody,       // a line or record that is not what the format says
-    Truncated,           // ends before what it announces
-    CountExceedsFile,    // announces more than its bytes can hold
-    IndexOutOfRange,     // a face names a vertex that is not there
+    MalformedBody,     // a line or record that is not what the format says
+    Truncated,         // ends before what it announces
+    CountExceedsFile,  // announces more than its bytes can hold
+    IndexOutOfRange,   // a face names a vertex that is not there
     NonFiniteCoordinate,
     CoordinateTooLarge,  // beyond what single-precision rays can carry
     NoGeometry,          // no vertices, or nothing that can be lit
@@ -44,7 +44,7 @@ enum class Fault {
     NotFound,
     MethodNotAllowed,
     LengthRequired,
-    BadRequest,    // HTTP framing we refuse
+    BadRequest,  // HTTP framing we refuse
     HeadTooLarge,
     RequestTimeout,
     Overloaded,

@@ -18,8 +18,14 @@ namespace {
 class FlushDenormals {
   public:
 #if defined(__SSE2__)
-    FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040U); }
-    ~FlushDenormals() { _mm_setcsr(before_); }
+    FlushDenormals() : before_(_mm_getcsr())
+    {
+        _mm_setcsr(before_ | 0x8040U);
+    }
+    ~FlushDenormals()
+    {
+        _mm_setcsr(before_);
+    }
 #else
     FlushDenormals() = default;
     ~FlushDenormals() = default;
@@ -54,7 +60,8 @@ void parallel_for(std::size_t count, std::size_t block, unsigned threads, Progre
             next = blocks;
         }
     };
-    const unsigned wanted = threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;
+    const unsigned wanted =
+        threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;
     const std::size_t helpers = std::min<std::size_t>(wanted, blocks) - (blocks == 0 ? 0 : 1);
     {
         std::vector<std::jthread> pool;

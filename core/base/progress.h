@@ -5,8 +5,8 @@
 
 namespace relight {
 
-/// Passed into long work: it asks `stopped()` once a block and says how far it is. Who asked, and how
-/// the answer travels, is the caller's business.
+/// Passed into long work: it asks `stopped()` once a block and says how far it is. Who asked, and
+/// how the answer travels, is the caller's business.
 class Progress {
   public:
     void stop() { stopped_.store(true, std::memory_order_relaxed); }

@@ -15,8 +15,8 @@ namespace relight {
 /// What a caller got wrong, said so that they can mend it.
 struct Error {
     Fault fault{};
-    std::string detail;   ///< what was found, what is allowed, in which unit
-    std::string pointer;  ///< RFC 6901 place in the request: "/lights/1/flux_w"
+    std::string detail;                 ///< what was found, what is allowed, in which unit
+    std::string pointer;                ///< RFC 6901 place in the request: "/lights/1/flux_w"
     std::optional<std::uint64_t> line;  ///< place in a text file, from 1
     std::optional<std::uint64_t> byte;  ///< place in a binary file, from 0
 
@@ -33,8 +33,9 @@ template <class T>
 class [[nodiscard]] Result {
   public:
     using value_type = T;
-    Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}      // NOLINT: as expected
-    Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT: as expected
+    Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT: as expected
+    Result(Error error)
+        : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT: as expected
 
     bool has_value() const { return state_.index() == 0; }
     explicit operator bool() const { return has_value(); }

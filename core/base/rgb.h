@@ -17,10 +17,16 @@ struct Rgb {
     constexpr Rgb& operator+=(Rgb o) { return *this = *this + o; }
     constexpr bool operator==(const Rgb&) const = default;
 };
-constexpr Rgb operator*(double s, Rgb c) { return c * s; }
+constexpr Rgb operator*(double s, Rgb c)
+{
+    return c * s;
+}
 
 /// Y = .2126 R + .7152 G + .0722 B of linear Rec.709.
-constexpr double luminance(Rgb c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+constexpr double luminance(Rgb c)
+{
+    return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;
+}
 
 /// What arrays store: one attribute, float, interleaved.
 using Rgbf = std::array<float, 3>;

@@ -7,7 +7,8 @@
 
 namespace relight {
 
-/// A displacement, in scene units (double: formulas compute in double, arrays for Embree are float).
+/// A displacement, in scene units (double: formulas compute in double, arrays for Embree are
+/// float).
 struct Vec3 {
     double x{}, y{}, z{};
 
@@ -19,7 +20,10 @@ struct Vec3 {
     constexpr Vec3& operator+=(Vec3 b) { return *this = *this + b; }
     constexpr bool operator==(const Vec3&) const = default;
 };
-constexpr Vec3 operator*(double s, Vec3 v) { return v * s; }
+constexpr Vec3 operator*(double s, Vec3 v)
+{
+    return v * s;
+}
 
 /// A place. Subtracting two gives a Vec3; adding two does not compile.
 struct Point3 {
@@ -39,7 +43,10 @@ class Dir3 {
     constexpr double x() const { return v_.x; }
     constexpr double y() const { return v_.y; }
     constexpr double z() const { return v_.z; }
-    constexpr operator Vec3() const { return v_; }  // NOLINT: a direction is a vector wherever one is asked for
+    constexpr operator Vec3() const
+    {
+        return v_;
+    }  // NOLINT: a direction is a vector wherever one is asked for
     constexpr Dir3 operator-() const { return Dir3(-v_); }
     constexpr explicit operator bool() const { return v_ != Vec3{}; }
     constexpr bool operator==(const Dir3&) const = default;
@@ -50,14 +57,20 @@ class Dir3 {
     Vec3 v_;
 };
 
-constexpr double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr double dot(Vec3 a, Vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 constexpr Vec3 cross(Vec3 a, Vec3 b)
 {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /// |v|, free of overflow and underflow for any finite v.
-inline double length(Vec3 v) { return std::hypot(v.x, v.y, v.z); }
+inline double length(Vec3 v)
+{
+    return std::hypot(v.x, v.y, v.z);
+}
 
 /// v / |v|; a zero or non-finite vector gives "no direction".
 inline Dir3 normalize(Vec3 v)
@@ -68,9 +81,18 @@ inline Dir3 normalize(Vec3 v)
     return Dir3(scaled / std::sqrt(dot(scaled, scaled)));
 }
 
-constexpr bool is_finite(double x) { return x - x == 0.0; }
-constexpr bool is_finite(Vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
-constexpr bool is_finite(Point3 p) { return is_finite(p - Point3{}); }
+constexpr bool is_finite(double x)
+{
+    return x - x == 0.0;
+}
+constexpr bool is_finite(Vec3 v)
+{
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
+constexpr bool is_finite(Point3 p)
+{
+    return is_finite(p - Point3{});
+}
 
 /// Two unit vectors that complete n to a right-handed frame (x, y, n). Duff et al. 2017.
 struct Frame {
@@ -88,6 +110,7 @@ inline Frame frame_around(Dir3 n)
             normalize({b, sign + n.y() * n.y() * a, -n.y()}), n};
 }
 
-using Triangle = std::array<unsigned, 3>;  ///< vertex indices, counter-clockwise seen from the front
+using Triangle =
+    std::array<unsigned, 3>;  ///< vertex indices, counter-clockwise seen from the front
 
 }  // namespace relight

@@ -13,18 +13,19 @@ namespace relight {
 
 /// What loading found and did. Nothing is changed silently.
 struct Intake {
-    std::uint64_t degenerate_faces = 0;      ///< a repeated corner, or no area
-    std::uint64_t duplicate_faces = 0;       ///< the same vertices as an earlier face
-    std::uint64_t non_manifold_edges = 0;    ///< shared by more than two faces
-    std::uint64_t boundary_edges = 0;        ///< of one face only
-    std::uint64_t inconsistent_edges = 0;    ///< whose two faces run the same way: no common orientation
-    std::uint64_t unreferenced_vertices = 0; ///< used by no face
-    std::uint64_t unlit_vertices = 0;        ///< without a normal: used by no proper face, and none filed
-    std::uint64_t normals_computed = 0;      ///< vertices whose normal comes from the faces
-    std::uint64_t normals_opposing = 0;      ///< filed normals that point to the back of their faces
-    std::uint64_t polygons_triangulated = 0; ///< faces with more than three corners
-    Vec3 recentring_shift;                   ///< subtracted before the acceleration structure is built
-    std::vector<std::string> notes;          ///< the reader's own
+    std::uint64_t degenerate_faces = 0;    ///< a repeated corner, or no area
+    std::uint64_t duplicate_faces = 0;     ///< the same vertices as an earlier face
+    std::uint64_t non_manifold_edges = 0;  ///< shared by more than two faces
+    std::uint64_t boundary_edges = 0;      ///< of one face only
+    std::uint64_t inconsistent_edges =
+        0;  ///< whose two faces run the same way: no common orientation
+    std::uint64_t unreferenced_vertices = 0;  ///< used by no face
+    std::uint64_t unlit_vertices = 0;  ///< without a normal: used by no proper face, and none filed
+    std::uint64_t normals_computed = 0;  ///< vertices whose normal comes from the faces
+    std::uint64_t normals_opposing = 0;  ///< filed normals that point to the back of their faces
+    std::uint64_t polygons_triangulated = 0;  ///< faces with more than three corners
+    Vec3 recentring_shift;           ///< subtracted before the acceleration structure is built
+    std::vector<std::string> notes;  ///< the reader's own
 };
 
 struct Bounds {
@@ -36,18 +37,24 @@ struct Bounds {
 /// A mesh made ready for light: normals, triangles, the size of things. A point cloud is a Surface
 /// without triangles.
 struct Surface {
-    std::vector<Triangle> triangles;            ///< of the faces, in their order; empty for clouds
-    std::vector<std::uint32_t> triangle_face;   ///< face of each triangle; empty: the same index
-    std::vector<Dir3> normals;                  ///< V; "no direction": the vertex cannot be lit
-    std::vector<float> spacing;  ///< V, scene units: shortest edge at the vertex, or distance to the nearest point
+    std::vector<Triangle> triangles;           ///< of the faces, in their order; empty for clouds
+    std::vector<std::uint32_t> triangle_face;  ///< face of each triangle; empty: the same index
+    std::vector<Dir3> normals;                 ///< V; "no direction": the vertex cannot be lit
+    std::vector<float> spacing;  ///< V, scene units: shortest edge at the vertex; in a cloud,
+                                 ///< 1/sqrt(points per area) around it
     Bounds bounds;
-    double quantum = 0.0;        ///< coarsest step of the coordinates as filed, scene units
+    double quantum = 0.0;  ///< coarsest step of the coordinates as filed, scene units
     Intake intake;
 };
 
+/// The whole report: what prepare() counted, and the topology of the faces as filed (duplicate
+/// faces; non-manifold, boundary and inconsistently wound edges), by OpenMesh's half-edge
+/// structure. Costs more than prepare(): asked for once, when a mesh is stored.
+Intake inspect(const Mesh& mesh, const Surface& surface);
+
 /// Normals (filed ones kept, else angle-weighted from the faces), triangulation (ear clipping for
-/// concave polygons), spacing, and the intake report. Never fails on a checked Mesh; a degenerate one
-/// gives unlit vertices and says so.
+/// concave polygons), spacing, and the intake report. Never fails on a checked Mesh; a degenerate
+/// one gives unlit vertices and says so.
 Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress);
 
 }  // namespace relight

@@ -8,9 +8,9 @@ namespace relight {
 
 /// Per-vertex answers, linear, in the scene's units.
 struct Shaded {
-    std::vector<Rgbf> irradiance;             ///< V: E [W/m^2] or [lx], albedo-free, one-sided front face
-    std::vector<Rgbf> radiance;               ///< V: Lo [W/(m^2 sr)] or [cd/m^2] toward the view
-    std::vector<std::vector<Rgbf>> per_light; ///< a light: V of E; empty unless asked for
+    std::vector<Rgbf> irradiance;  ///< V: E [W/m^2] or [lx], albedo-free, one-sided front face
+    std::vector<Rgbf> radiance;    ///< V: Lo [W/(m^2 sr)] or [cd/m^2] toward the view
+    std::vector<std::vector<Rgbf>> per_light;  ///< a light: V of E; empty unless asked for
 };
 
 struct ShadeOptions {

@@ -15,15 +15,23 @@ namespace relight {
 struct ShadowRay {
     Point3 origin;
     Dir3 direction;
-    double distance{};  ///< scene units; infinite is allowed
+    double from{};      ///< nothing nearer than this counts, scene units
+    double distance{};  ///< nothing beyond it does, scene units; infinite is allowed
 };
 
 /// What a camera ray meets first.
 struct Hit {
-    double distance{};       ///< scene units
+    double distance{};          ///< scene units
     std::uint32_t primitive{};  ///< triangle of the Surface, or point of the cloud
-    double u{}, v{};         ///< barycentric: p = (1-u-v) a + u b + v c; 0 for points
+    double u{}, v{};            ///< barycentric: p = (1-u-v) a + u b + v c; 0 for points
     bool is_point{};
+};
+
+/// A receiver steps `offset` along its normal before it looks around, and ignores what is nearer
+/// than `from` along the ray. Both in scene units.
+struct Clearance {
+    double offset{};
+    double from{};
 };
 
 struct BvhOptions {
@@ -32,9 +40,10 @@ struct BvhOptions {
 };
 
 /// Embree's acceleration structure over a surface's triangles, or over its points as oriented discs
-/// when it has no triangles. Coordinates are recentred and scaled to the unit box (a power of two) in
-/// double before they become float, so position and size of the model do not matter. Immutable; any
-/// number of threads may ask at once. Rays must be finite.
+/// when it has no triangles. Coordinates are recentred and scaled to the unit box (a power of two)
+/// in double before they become float, so position and size of the model do not matter. Immutable;
+/// any number of threads may ask at once. Rays must be finite. Mesh and surface must outlive it
+/// (Stage).
 class Bvh {
   public:
     Bvh(const Mesh& mesh, const Surface& surface, const BvhOptions& options);
@@ -45,12 +54,12 @@ class Bvh {
     /// blocked[i] = 1 where anything stands in the way of rays[i]. Robust; two-sided occluders.
     void occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> blocked) const;
 
-    /// The nearest thing from origin along direction beyond `from` [scene units]; primitive ~0 if none.
+    /// The nearest thing from origin along direction beyond `from` [scene units]; primitive ~0 if
+    /// none.
     Hit nearest(Point3 origin, Dir3 direction, double from = 0.0) const;
 
-    /// How far along its normal a receiver at vertex v steps before it looks around, scene units.
-    /// Grows with the magnitude of the coordinates (their rounding) and with the local edge.
-    double offset(double spacing) const;
+    /// What a receiver with this spacing keeps clear of, so that it does not shadow itself.
+    Clearance clearance(double spacing) const;
 
     std::uint64_t bytes() const;  ///< memory held
 

@@ -13,7 +13,7 @@ namespace relight {
 /// What one unit of one light delivers to every vertex: depends on the mesh and on where the light
 /// stands, not on its power, colour or on the material.
 struct Column {
-    std::vector<float> E;               ///< V: irradiance of unit power, shadows included [1/m^2 sr or 1]
+    std::vector<float> E;  ///< V: irradiance of unit power, shadows included [1/m^2 sr or 1]
     std::vector<std::uint8_t> visible;  ///< V: 1 where the light is above the surface and unblocked
     std::uint64_t rays = 0;             ///< traced for it
 };

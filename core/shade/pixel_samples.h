@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "core/base/random.h"
+
+namespace relight {
+
+/// Places of side x side samples in a pixel, [0,1)^2: one in each cell of the grid, and one in each
+/// of the side^2 columns and rows (correlated multi-jittered sampling, Kensler 2013). A function of
+/// (seed, pixel, sample).
+class PixelSamples {
+  public:
+    PixelSamples(int side, std::uint64_t seed)
+        : side_(side), seed_(seed), across_(static_cast<std::size_t>(side)), down_(across_)
+    {
+    }
+
+    void move_to(std::uint64_t pixel)
+    {
+        pixel_ = pixel;
+        shuffle(across_, 2);
+        shuffle(down_, 3);
+    }
+
+    std::array<double, 2> at(int sample) const
+    {
+        const auto index = static_cast<std::uint64_t>(sample);
+        const int x = sample % side_;
+        const int y = sample / side_;
+        const double fine_x =
+            across_[static_cast<std::size_t>(y)] + uniform(seed_, pixel_, index, 0);
+        const double fine_y = down_[static_cast<std::size_t>(x)] + uniform(seed_, pixel_, index, 1);
+        return {(x + fine_x / side_) / side_, (y + fine_y / side_) / side_};
+    }
+
+  private:
+    void shuffle(std::vector<int>& order, std::uint64_t dimension) const
+    {
+        std::iota(order.begin(), order.end(), 0);
+        for (std::size_t i = order.size(); i > 1; --i) {
+            const double u = uniform(seed_, pixel_, i, dimension);
+            std::swap(order[i - 1], order[static_cast<std::size_t>(u * static_cast<double>(i))]);
+        }
+    }
+
+    int side_;
+    std::uint64_t seed_, pixel_ = 0;
+    std::vector<int> across_, down_;  ///< which fine column each row takes, which row each column
+};
+
+}  // namespace relight
