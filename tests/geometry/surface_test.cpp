@@ -45,6 +45,15 @@ TEST(Surface, ANormalDoesNotDependOnHowItsFacesAreTriangulated)  // angle weight
     }
 }
 
+TEST(Surface, CornersWeighByTheirAngleNotByTheirArea)
+{
+    // At the origin a long thin corner (area 5) and a square one (area 0.5), at right angles.
+    const Mesh mesh =
+        mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 100, 0}, {0, 100, 0.1}}, {0, 1, 2, 0, 3, 4});
+    const Dir3 n = prepared(mesh).normals[0];
+    EXPECT_NEAR(n.x() / n.z(), std::atan2(0.1, 100.0) / (std::numbers::pi / 2.0), 1e-12);
+}
+
 TEST(Surface, FiledNormalsAreKeptAndOpposingOnesCounted)
 {
     Mesh mesh = mesh_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2});

@@ -210,6 +210,28 @@ TEST(Raytrace, TheFramedModelTouchesNoBorderAndFillsThePicture)
     }
 }
 
+TEST(Raytrace, TheBackgroundShowsOnlyWhereNothingIs)
+{
+    const Stage stage = staged(test::grid(2));
+    Scene scene;
+    scene.camera = {{1, 0, 3}, {1, 0, 0}, {0, 1, 0}, 0.3};  // the grid ends in the middle
+    const Image image = render(stage, scene, {9, 5, 16, {0.2, 0.4, 0.6}, 0, 1}).image;
+    EXPECT_EQ(image.pixels[image.at(8, 2)], to_float({0.2, 0.4, 0.6}));
+    EXPECT_EQ(image.pixels[image.at(0, 2)], (Rgbf{0, 0, 0}));  // no light: black, and opaque
+    EXPECT_NEAR(static_cast<double>(image.pixels[image.at(4, 2)][1]), 0.2, 0.04);
+}
+
+TEST(Raytrace, FiledNormalsSayWhichSideIsTheFront)
+{
+    Mesh sheet = test::grid(2);
+    sheet.normals.assign(sheet.positions.size(), {0, 0, -1});  // against the winding
+    Scene scene;
+    scene.lights = {light_of(DirectionalLight{normalize({0, 0, 1})}, Rgb::grey(2))};
+    scene.camera = {{0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 0.3};
+    const Image image = render(staged(sheet), scene, {3, 3, 4, {}, 0, 1}).image;
+    EXPECT_NEAR(static_cast<double>(image.pixels[4][0]), 0.8 * 2.0 / std::numbers::pi, 1e-6);
+}
+
 TEST(Raytrace, TheTerminatorOptionFreesARoundMeshOfItsFacetsShadows)
 {
     const Stage stage = staged(test::icosphere(1));  // coarse, smooth normals

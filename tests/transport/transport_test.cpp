@@ -249,6 +249,24 @@ TEST(Transport, OccludersBeyondMaxDistanceLetLightPass)
     EXPECT_EQ(traced(stage, scene).columns[0]->E[12], 0.0F);
     scene.transport.max_distance = 4.0;
     EXPECT_EQ(traced(stage, scene).columns[0]->E[12], 1.0F);
+    scene.lights = {light_of(PointLight{{0, 0, 9}, {}})};
+    EXPECT_GT(traced(stage, scene).columns[0]->E[12], 0.0F);
+    scene.transport.max_distance = 6.0;
+    EXPECT_EQ(traced(stage, scene).columns[0]->E[12], 0.0F);
+}
+
+TEST(Transport, ALampThatTouchesAWallIsNotHiddenByIt)
+{
+    // A wall x = 1 beside the floor, the lamp in its plane, at places of no special rounding.
+    const Frame up = frame_around(normalize({-1, 0, 0}));
+    const Mesh room = test::joined(test::grid(6), test::moved(test::grid(2), up, 2.0, {1.1, 0, 1}));
+    const Stage stage = staged(room);
+    for (int i = 0; i < 50; ++i) {
+        const auto index = static_cast<std::uint64_t>(i);
+        const Point3 lamp{1.1, 2.0 * uniform(3, index, 0, 0) - 1.0, 0.2 + uniform(3, index, 0, 1)};
+        const Transport transport = traced(stage, scene_of({light_of(PointLight{lamp, {}})}));
+        for (std::size_t v = 0; v < 49; ++v) { EXPECT_EQ(transport.columns[0]->visible[v], 1); }
+    }
 }
 
 TEST(Transport, ALightInTheMeshOrAtAVertexOrAbsurdlyFarGivesFiniteNumbers)
