@@ -17,17 +17,18 @@ using LightShape = std::variant<PointLight, SpotLight, DirectionalLight>;
 struct Light {
     std::string name;
     LightShape shape;
-    Rgb power = Rgb::grey(1.0);  ///< I [W/sr] or [cd] of point and spot; E_perp [W/m^2] or [lx] of directional
+    /// I [W/sr] or [cd] of point and spot; E_perp [W/m^2] or [lx] of directional.
+    Rgb power = Rgb::grey(1.0);
     bool enabled = true;
     bool cast_shadows = true;
 };
 
 /// What one unit of a light brings to a receiver, unoccluded.
 struct Arrival {
-    Vec3 to_light;        ///< not unit; from the receiver to the light (or along it, if directional)
-    double distance{};    ///< to the light, scene units; infinite for directional
-    Dir3 wi;              ///< unit; "no direction" where the light is at the receiver
-    double per_unit{};    ///< E on a surface facing wi from unit power: 1/d^2 [sr/m^2], or 1; cone included
+    Vec3 to_light;      ///< not unit; from the receiver to the light (or along it, if directional)
+    double distance{};  ///< to the light, scene units; infinite for directional
+    Dir3 wi;            ///< unit; "no direction" where the light is at the receiver
+    double per_unit{};  ///< E facing wi from unit power, cone included: 1/d^2 [sr/m^2], or 1
 };
 
 /// Unoccluded arrival of one unit of the light at p. E = power * per_unit * (n . wi)+.
