@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/geometry/polygon.h"
 #include "core/geometry/spacing.h"
@@ -72,12 +73,19 @@ struct FromFaces {
     std::vector<std::uint8_t> used;
 };
 
+/// A sphere's worth of volume for a surface of this area is 1 (isoperimetric quotient); a room open
+/// on one side or a scan with holes keeps most of it, a sheet has none.
+constexpr double kLeastEnclosed = 0.01;
+
 FromFaces walk_faces(const Mesh& mesh, Surface& surface)
 {
     const std::size_t count = mesh.positions.size();
     FromFaces walked{std::vector<Vec3>(count),
                      std::vector<float>(count, std::numeric_limits<float>::infinity()),
                      std::vector<std::uint8_t>(count, 0)};
+    const Point3 centre = surface.bounds.centre();
+    double volume6 = 0.0;
+    double area2 = 0.0;
     for (const Triangle& t : surface.triangles) {
         for (const unsigned v : t) { walked.used[v] = 1; }
         const std::array<Point3, 3> p{mesh.positions[t[0]], mesh.positions[t[1]],
@@ -92,6 +100,8 @@ FromFaces walk_faces(const Mesh& mesh, Surface& surface)
             ++surface.intake.degenerate_faces;
             continue;
         }
+        volume6 += dot(p[0] - centre, doubled_area);
+        area2 += area;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t before = (k + 2) % 3;
             const double angle = std::atan2(area, -dot(edge[k], edge[before]));
@@ -101,6 +111,9 @@ FromFaces walk_faces(const Mesh& mesh, Surface& surface)
             walked.shortest_edge[t[k]] = std::min(walked.shortest_edge[t[k]], shorter);
         }
     }
+    // 36 pi V^2 / A^3 = 8 pi V6^2 / A2^3
+    const double enclosed = 8.0 * std::numbers::pi * volume6 * volume6 / (area2 * area2 * area2);
+    surface.intake.wound_inward = volume6 < 0.0 && enclosed > kLeastEnclosed;
     return walked;
 }
 

@@ -24,6 +24,7 @@ struct Intake {
     std::uint64_t normals_computed = 0;  ///< vertices whose normal comes from the faces
     std::uint64_t normals_opposing = 0;  ///< filed normals that point to the back of their faces
     std::uint64_t polygons_triangulated = 0;  ///< faces with more than three corners
+    bool wound_inward = false;       ///< the faces enclose a volume and their fronts look into it
     Vec3 recentring_shift;           ///< subtracted before the acceleration structure is built
     std::vector<std::string> notes;  ///< the reader's own
 };

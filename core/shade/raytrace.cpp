@@ -22,7 +22,7 @@ struct Seen {
     Point3 lifted;  // where shadow rays start before they step off the surface
     double spacing{};
     Rgb vertex_color = Rgb::grey(1.0);
-    bool lit = false;  // its front faces the viewer
+    bool lit = false;  // it has a side to be lit
 };
 
 /// The tangent planes of the corners, interpolated: p + sum b_i max(0, (p_i - p) . n_i) n_i. Where
@@ -89,12 +89,12 @@ Seen see(const Stage& stage, const Scene& scene, Point3 eye, Dir3 direction, con
     } else {
         see_triangle(stage, hit, scene.transport.terminator, seen);
     }
-    if (scene.transport.two_sided && dot(seen.ng, seen.wo) < 0.0) {
+    if (dot(seen.ng, seen.wo) < 0.0) {  // the camera sees the back: that side is lit and shown
         seen.ng = -seen.ng;
         seen.n = -seen.n;
         seen.lifted = seen.position;
     }
-    seen.lit = seen.ng && dot(seen.ng, seen.wo) > 0.0;
+    seen.lit = static_cast<bool>(seen.ng);
     // An interpolated normal may lean away from a viewer who does see the surface: lean it back.
     constexpr double kLeastCosine = 1e-3;
     const double cos_o = dot(seen.n, seen.wo);

@@ -98,6 +98,18 @@ TEST(Surface, ConcavePolygonsKeepTheirArea)  // a fan would cover the notch
     }
 }
 
+TEST(Surface, AShellWhoseFrontsLookInwardIsReportedAndASheetIsNot)
+{
+    Mesh ball = test::moved(test::icosphere(2), test::upright(), 1e-3, {1e3, 0, 0});
+    EXPECT_FALSE(prepared(ball).intake.wound_inward);
+    for (std::size_t f = 0; f < ball.faces.indices.size(); f += 3) {
+        std::swap(ball.faces.indices[f], ball.faces.indices[f + 1]);
+    }
+    EXPECT_TRUE(prepared(ball).intake.wound_inward);
+    EXPECT_FALSE(
+        prepared(test::moved(test::grid(3), test::upright(), 1.0, {0, 0, -9})).intake.wound_inward);
+}
+
 TEST(Surface, ATranslationByTenMillionChangesNoNormal)
 {
     const Mesh near = test::icosphere(3);

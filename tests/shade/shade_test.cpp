@@ -221,6 +221,18 @@ TEST(Raytrace, TheBackgroundShowsOnlyWhereNothingIs)
     EXPECT_NEAR(static_cast<double>(image.pixels[image.at(4, 2)][1]), 0.2, 0.04);
 }
 
+TEST(Raytrace, ShowsTheSideThatTheCameraSees)
+{
+    Scene scene;
+    scene.lights = {light_of(DirectionalLight{normalize({0, 0, 1})}, Rgb::grey(2))};
+    scene.camera = {{0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 0.3};
+    const Stage sheet = staged(test::grid(2));  // its front looks away
+    const Image lit_back = render(sheet, scene, {3, 3, 4, {}, 0, 1}).image;
+    EXPECT_NEAR(static_cast<double>(lit_back.pixels[4][0]), 0.8 * 2.0 / std::numbers::pi, 1e-6);
+    scene.camera.eye = {0, 0, 3};  // the light is behind it
+    EXPECT_EQ(render(sheet, scene, {3, 3, 4, {}, 0, 1}).image.pixels[4], (Rgbf{0, 0, 0}));
+}
+
 TEST(Raytrace, FiledNormalsSayWhichSideIsTheFront)
 {
     Mesh sheet = test::grid(2);
