@@ -12,21 +12,22 @@ namespace relight {
 
 struct PreviewOptions {
     int width = 800, height = 600;
-    int samples = 8;        ///< multisamples a pixel (what the driver allows)
-    Rgb8 background{};      ///< display-referred
+    int samples = 8;            ///< a pixel, in a square grid: 1, 4, 9 or 16
+    Rgb8 background{};          ///< display-referred
     double point_radius = 0.0;  ///< clouds: pixels; 0 chooses
 };
 
 /// 8-bit RGB picture, row 0 on top.
 struct Picture {
     int width{}, height{};
-    std::vector<Rgb8> pixels;
-    std::vector<unsigned char> alpha;  ///< 255 where the surface is
+    std::vector<Rgb8> pixels;          ///< the background mixed in, by the share that alpha leaves
+    std::vector<unsigned char> alpha;  ///< share of the pixel that the surface covers; 255: all
 };
 
-/// VTK's picture of the surface with these display-referred vertex colours as they are (no lighting of
-/// VTK's), on a surfaceless EGL context: no display needed. Calls are served one after the other by one
-/// long-lived render thread. Error Internal if there is no EGL driver.
+/// VTK's picture of the surface with these display-referred vertex colours as they are (no lighting
+/// of VTK's), on a surfaceless EGL context: no display needed. Calls are served one after the other
+/// by one long-lived render thread. Of a cloud of more than 200,000 points so many are drawn.
+/// Errors: Internal if there is no EGL driver, Cancelled.
 Result<Picture> preview(const Mesh& mesh, const Surface& surface, std::span<const Rgb8> colors,
                         const Camera& camera, const PreviewOptions& options, Progress& progress);
 

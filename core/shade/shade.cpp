@@ -1,5 +1,6 @@
 #include "core/shade/shade.h"
 
+#include <cmath>
 #include <type_traits>
 
 namespace relight {
@@ -25,14 +26,18 @@ Dir3 toward_viewer(const Scene& scene, Point3 p, Dir3 n)
 }
 
 /// Lo = sum over lights of f(wi, wo) E_light, on the side of the surface that faces the viewer.
+/// Seen along its normal, a two-sided surface shows each light on the side that it lights:
+/// Lambert's Lo = rho E / pi holds for the E of both sides.
 Radiance outgoing(const Stage& stage, const Transport& transport, const Scene& scene, std::size_t v)
 {
     Radiance L{};
     const Point3 p = stage.mesh->positions[v];
     Dir3 n = stage.surface->normals[v];
     const Dir3 to_viewer = toward_viewer(scene, p, n);
-    if (scene.transport.two_sided && dot(n, to_viewer) < 0.0) { n = -n; }
+    const bool two_sided = scene.transport.two_sided;
+    if (two_sided && dot(n, to_viewer) < 0.0) { n = -n; }
     if (!n || !(dot(n, to_viewer) > 0.0)) { return L; }
+    const bool any_side = two_sided && std::holds_alternative<NormalView>(scene.view);
     const Frame frame = frame_around(n);
     const Vec3 wo = frame.to_local(to_viewer);
     const Rgb vertex_color =
@@ -42,7 +47,8 @@ Radiance outgoing(const Stage& stage, const Transport& transport, const Scene& s
         if (column == nullptr || !(column->E[v] > 0.0F)) { continue; }
         const Light& light = scene.lights[l];
         const Irradiance E{light.power * static_cast<double>(column->E[v])};
-        const Vec3 wi = frame.to_local(arrive(light.shape, p).wi);
+        Vec3 wi = frame.to_local(arrive(light.shape, p).wi);
+        if (any_side) { wi.z = std::abs(wi.z); }
         L += f(scene.material, wi, wo, vertex_color) * E;
     }
     return L;

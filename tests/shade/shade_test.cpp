@@ -48,6 +48,24 @@ TEST(Shade, LambertRadianceIsAlbedoTimesIrradianceOverPi)
     }
 }
 
+TEST(Shade, ATwoSidedSheetShowsTheLightOfBothSidesAlongItsNormal)
+{
+    Scene scene = sun_and_lamp();                                        // both above
+    scene.lights[0].shape = DirectionalLight{normalize({0.1, 0.3, 1})};  // and now one below
+    scene.transport.two_sided = true;
+    const Lit a = lit(test::grid(3), scene);
+    for (std::size_t v = 0; v < a.shaded.irradiance.size(); ++v) {
+        const double expected =
+            0.8 * static_cast<double>(a.shaded.irradiance[v][0]) / std::numbers::pi;
+        EXPECT_NEAR(static_cast<double>(a.shaded.radiance[v][0]), expected, 1e-6 * expected);
+        EXPECT_GT(a.shaded.per_light[0][v][0], 0.0F);
+    }
+    scene.view = DirectionView{normalize({0, 0, 1})};  // from above only the lamp's side is seen
+    const Lit above = lit(test::grid(3), scene);
+    EXPECT_LT(above.shaded.radiance[5][0], a.shaded.radiance[5][0]);
+    EXPECT_GT(above.shaded.radiance[5][0], 0.0F);
+}
+
 TEST(Shade, LightsSuperposeAndPowerIsLinear)
 {
     Scene both = sun_and_lamp();

@@ -1,0 +1,1 @@
+curl -sS --fail-with-body --json '{"mesh": {"id": "'$(sha256sum tests/data/meshes/spot.ply | cut -c1-64)'"}, "lights": [{"type": "point", "position": [1.5, 2, -2], "flux_w": 150}], "output": {"format": "ply"}}' http://127.0.0.1:8080/v1/relight --create-dirs -o build/examples/lit.ply

@@ -1,0 +1,1 @@
+curl -sS --fail-with-body -F mesh=@tests/data/meshes/spot.ply -F 'request={"lights": [{"type": "directional", "name": "sun", "direction": [0.5, -1, 0.6], "illuminance_lx": 80000}], "output": {"format": "json", "quantities": ["irradiance", "visibility"]}};type=application/json' http://127.0.0.1:8080/v1/relight --create-dirs -o build/examples/numbers.json

@@ -1,0 +1,229 @@
+"""The client: what can be asked of a Relight server, and what it answers."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import json
+import os
+import re
+import urllib.parse
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Union
+
+from relight._http import Connection, Reply, Source, body_of, multipart
+
+_ID = re.compile(r"[0-9a-f]{64}")
+_MEDIA_TYPES = {"ply": "model/ply", "obj": "model/obj", "stl": "model/stl", "off": "model/off"}
+
+
+class RelightError(Exception):
+    """The server's refusal (RFC 9457). `code` is stable; `detail` says what was found and what is
+    allowed; `pointer` is the place in the request, `line` or `byte` the place in a file."""
+
+    def __init__(self, status: int, problem: Mapping[str, Any]) -> None:
+        self.status = status
+        self.code = str(problem.get("code", f"http_{status}"))
+        self.title = str(problem.get("title", ""))
+        self.detail = str(problem.get("detail", ""))
+        self.pointer: Optional[str] = problem.get("pointer")
+        self.line: Optional[int] = problem.get("line")
+        self.byte: Optional[int] = problem.get("byte")
+        place = "".join(
+            f" at {name} {value}" if name != "pointer" else f" at {value}"
+            for name, value in (("pointer", self.pointer), ("line", self.line), ("byte", self.byte))
+            if value is not None
+        )
+        super().__init__(f"{self.code}{place}: {self.detail or self.title or status}")
+
+
+@dataclasses.dataclass(frozen=True)
+class Mesh:
+    """A stored mesh or point cloud, as the server describes it."""
+
+    id: str
+    kind: str  # "mesh" or "points"
+    format: str
+    bytes: int
+    vertices: int
+    faces: int
+    bounds: Dict[str, List[float]]
+    has: Dict[str, bool]
+    intake: Dict[str, Any]  # what loading found and did
+
+    @classmethod
+    def _of(cls, description: Mapping[str, Any]) -> Mesh:
+        return cls(**{field.name: description[field.name] for field in dataclasses.fields(cls)})
+
+
+class Answer:
+    """What came of a relight request."""
+
+    def __init__(self, reply: Reply) -> None:
+        self.content = reply.content
+        self.headers = reply.headers  #: case does not matter: headers["relight-rays"]
+
+    @property
+    def content_type(self) -> str:
+        return self.headers.get_content_type()
+
+    @property
+    def rays(self) -> Optional[int]:
+        """Rays traced for this answer; 0 when all came from the server's cache."""
+        rays = self.headers.get("Relight-Rays")
+        return None if rays is None else int(rays)
+
+    @property
+    def timings(self) -> Dict[str, float]:
+        """Milliseconds of each step: parse, bvh, trace, shade, encode, total."""
+        found = re.findall(r"([\w-]+);dur=([0-9.]+)", self.headers.get("Server-Timing", ""))
+        return {name: float(ms) for name, ms in found}
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes the answer to a file."""
+        with open(path, "wb") as file:
+            file.write(self.content)
+
+    def json(self) -> Any:
+        """The answer of `"format": "json"`."""
+        self._must_be("application/json", "json")
+        return json.loads(self.content)
+
+    def arrays(self) -> Dict[str, Any]:
+        """The NumPy arrays of `"format": "npz"`, by name."""
+        self._must_be("application/x-npz", "npz")
+        try:
+            import numpy
+        except ImportError:
+            raise RuntimeError(
+                "arrays() needs NumPy, which is not installed; json() reads the same numbers from "
+                'an answer of "format": "json" without it'
+            ) from None
+        with numpy.load(io.BytesIO(self.content), allow_pickle=False) as arrays:
+            return dict(arrays)
+
+    def _must_be(self, media_type: str, name: str) -> None:
+        if self.content_type != media_type:
+            raise ValueError(
+                f'this answer is {self.content_type}; ask for it with output={{"format": "{name}"}}'
+            )
+
+
+class Client:
+    """Speaks to one server over one connection; one thread at a time."""
+
+    def __init__(
+        self,
+        base_url: str = "http://127.0.0.1:8080",
+        *,
+        timeout: float = 600.0,
+        token: Optional[str] = None,
+    ) -> None:
+        """`timeout` [s] is the longest silence; a big scene is computed in silence."""
+        self._connection = Connection(base_url, timeout, token)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._connection.close()
+
+    def upload(self, mesh: Source, format: Optional[str] = None) -> Mesh:
+        """Stores a file, given as path or bytes; the same file again is the same mesh. The format is
+        told by the path's ending, or else by the server from the first bytes."""
+        query = "?" + urllib.parse.urlencode({"format": format}) if format else ""
+        headers = {"Content-Type": _media_type(mesh)}
+        return Mesh._of(self._json("POST", "/v1/meshes" + query, body_of(mesh), headers))
+
+    def mesh(self, id: str) -> Mesh:
+        """The description of a stored mesh."""
+        return Mesh._of(self._json("GET", "/v1/meshes/" + _checked(id)))
+
+    def meshes(self) -> Iterator[Mesh]:
+        """All stored meshes, newest first."""
+        cursor: Optional[str] = None
+        while True:
+            query = "?" + urllib.parse.urlencode({"cursor": cursor}) if cursor else ""
+            page = self._json("GET", "/v1/meshes" + query)
+            yield from map(Mesh._of, page["meshes"])
+            cursor = page["next_cursor"]
+            if cursor is None:
+                return
+
+    def content(self, id: str) -> bytes:
+        """The very bytes that were uploaded."""
+        return self._request("GET", f"/v1/meshes/{_checked(id)}/content").content
+
+    def delete(self, id: str) -> None:
+        """Forgets a mesh and all that was derived from it."""
+        self._request("DELETE", "/v1/meshes/" + _checked(id))
+
+    def relight(
+        self,
+        mesh: Union[Mesh, Source],
+        lights: Optional[Sequence[Mapping[str, Any]]] = None,
+        material: Optional[Mapping[str, Any]] = None,
+        output: Union[None, str, Mapping[str, Any]] = None,
+        **fields: Any,
+    ) -> Answer:
+        """Lights a stored mesh (a `Mesh`, or its id) or a file (path or bytes), which is then sent
+        along and not stored. `output` is the API's object, or just the format's name. `fields` are the
+        other members of the request as the API has them: view, camera, transport, display, points."""
+        request: Dict[str, Any] = dict(fields)
+        if lights is not None:
+            request["lights"] = [dict(light) for light in lights]
+        if material is not None:
+            request["material"] = dict(material)
+        if output is not None:
+            request["output"] = {"format": output} if isinstance(output, str) else dict(output)
+        id = mesh.id if isinstance(mesh, Mesh) else mesh
+        if isinstance(id, str) and _ID.fullmatch(id):
+            request["mesh"] = {"id": id}
+            body, content_type = body_of(_dumped(request)), "application/json"
+        else:
+            content_type, body = multipart(
+                [
+                    ("request", "application/json", body_of(_dumped(request))),
+                    ("mesh", _media_type(id), body_of(id)),
+                ]
+            )
+        return Answer(
+            self._request("POST", "/v1/relight", body, {"Content-Type": content_type})
+        )
+
+    def _request(self, *arguments: Any) -> Reply:
+        reply = self._connection.request(*arguments)
+        if reply.status >= 300:
+            raise RelightError(reply.status, _problem(reply))
+        return reply
+
+    def _json(self, *arguments: Any) -> Dict[str, Any]:
+        found = json.loads(self._request(*arguments).content)
+        assert isinstance(found, dict)
+        return found
+
+
+def _checked(id: str) -> str:
+    if not _ID.fullmatch(id):
+        raise ValueError(f"{id!r} is no mesh id: 64 hex digits, as upload() gives them")
+    return id
+
+
+def _dumped(request: Mapping[str, Any]) -> bytes:
+    return json.dumps(request, allow_nan=False, separators=(",", ":")).encode()
+
+
+def _media_type(source: Source) -> str:
+    """Told by the path's ending; for anything else the server looks at the first bytes."""
+    ending = "" if isinstance(source, bytes) else os.path.splitext(os.fspath(source))[1]
+    return _MEDIA_TYPES.get(ending[1:].lower(), "application/octet-stream")
+
+
+def _problem(reply: Reply) -> Dict[str, Any]:
+    try:
+        problem = json.loads(reply.content)
+    except ValueError:
+        problem = None
+    return problem if isinstance(problem, dict) else {}
