@@ -66,18 +66,27 @@ constexpr Vec3 cross(Vec3 a, Vec3 b)
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// Where v . v is a number of full precision: beyond, its squares overflow or vanish.
+constexpr bool is_moderate(double squared)
+{
+    return squared > 1e-200 && squared < 1e200;
+}
+
 /// |v|, free of overflow and underflow for any finite v.
 inline double length(Vec3 v)
 {
-    return std::hypot(v.x, v.y, v.z);
+    const double squared = dot(v, v);
+    return is_moderate(squared) ? std::sqrt(squared) : std::hypot(v.x, v.y, v.z);
 }
 
 /// v / |v|; a zero or non-finite vector gives "no direction".
 inline Dir3 normalize(Vec3 v)
 {
+    const double squared = dot(v, v);
+    if (is_moderate(squared)) { return Dir3(v / std::sqrt(squared)); }
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!(largest > 0.0) || !std::isfinite(largest)) { return {}; }
-    const Vec3 scaled = v / largest;  // its squares neither overflow nor vanish
+    const Vec3 scaled = v / largest;
     return Dir3(scaled / std::sqrt(dot(scaled, scaled)));
 }
 

@@ -1,0 +1,122 @@
+#include <charconv>
+
+#include "core/display/display.h"
+#include "core/io/writers.h"
+#include "core/shade/shade.h"
+#include "tests/bench/sizes.h"
+#include "tests/bench/terrain.h"
+#include "tests/scenes.h"
+
+namespace relight::bench {
+namespace {
+
+/// The usual answer: irradiance as floats, and the colour that a display shows.
+struct Answer {
+    const Mesh* mesh;
+    Shaded shaded;
+    std::vector<Rgb8> color;
+
+    std::span<const float> irradiance() const
+    {
+        return {shaded.irradiance.data()->data(), 3 * shaded.irradiance.size()};
+    }
+    LitMesh lit() const
+    {
+        return {*mesh, {}, color, {{"irradiance", 3, irradiance()}}, {"irradiance in W/m^2"}};
+    }
+};
+
+const Answer& answer(std::size_t vertices)
+{
+    static std::map<std::size_t, Answer> answers;
+    const auto [at, is_new] = answers.try_emplace(vertices);
+    if (is_new) {
+        const Stage& stage = terrain_stage(vertices);
+        Scene scene;
+        scene.lights = {test::light_of(PointLight{{0.3, -0.2, 0.35}, {}}, {3.0, 2.5, 2.0})};
+        Progress progress;
+        Shaded shaded = shade(stage, trace(stage, scene, 0, progress), scene, {}, progress);
+        std::vector<Rgb8> color = to_srgb8(shaded.radiance, {}, 0, progress);
+        at->second = {stage.mesh.get(), std::move(shaded), std::move(color)};
+    }
+    return at->second;
+}
+
+std::string binary_ply(const LitMesh& lit)
+{
+    return write_ply(lit, PlyEncoding::BinaryLittleEndian);
+}
+
+using Writer = std::string (*)(const LitMesh&);
+
+void write_mesh(benchmark::State& state, Writer writer)
+{
+    const LitMesh lit = answer(vertices(state)).lit();
+    std::size_t bytes = 0;
+    while (state.KeepRunning()) {
+        const std::string file = writer(lit);
+        benchmark::DoNotOptimize(file.data());
+        bytes = file.size();
+    }
+    rate(state, "bytes", bytes);
+}
+
+void copy_mesh(benchmark::State& state, Writer writer)
+{
+    copy(state, writer(answer(vertices(state)).lit()));
+}
+
+void copy_mesh_afresh(benchmark::State& state, Writer writer)
+{
+    copy_afresh(state, writer(answer(vertices(state)).lit()));
+}
+BENCHMARK_CAPTURE(write_mesh, ply, binary_ply)->Name("write PLY")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_mesh, ply, binary_ply)->Name("write PLY beside memcpy")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_mesh_afresh, ply, binary_ply)
+    ->Name("write PLY beside memcpy to fresh memory")
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(write_mesh, npz, write_npz)->Name("write NPZ")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_mesh, npz, write_npz)->Name("write NPZ beside memcpy")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_mesh_afresh, npz, write_npz)
+    ->Name("write NPZ beside memcpy to fresh memory")
+    ->Apply(sizes);
+
+void write_json_numbers(benchmark::State& state)
+{
+    const auto values = answer(vertices(state)).irradiance();
+    while (state.KeepRunning()) {
+        std::string text;
+        append_json(text, values, 3);
+        benchmark::DoNotOptimize(text.data());
+    }
+    rate(state, "vertices", values.size() / 3);
+}
+BENCHMARK(write_json_numbers)->Name("write JSON numbers")->Apply(sizes);
+
+void convert_numbers(benchmark::State& state)
+{
+    const auto values = answer(vertices(state)).irradiance();
+    while (state.KeepRunning()) {
+        std::array<char, 32> digits{};
+        for (const float value : values) {
+            benchmark::DoNotOptimize(
+                std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+        }
+    }
+    rate(state, "vertices", values.size() / 3);
+}
+BENCHMARK(convert_numbers)->Name("write JSON numbers beside to_chars, 1 thread")->Apply(sizes);
+
+void display_colors(benchmark::State& state)
+{
+    const Answer& a = answer(vertices(state));
+    while (state.KeepRunning()) {
+        Progress progress;
+        benchmark::DoNotOptimize(to_srgb8(a.shaded.radiance, {}, 0, progress).data());
+    }
+    rate(state, "vertices", a.color.size());
+}
+BENCHMARK(display_colors)->Name("display: linear to sRGB")->Apply(sizes);
+
+}  // namespace
+}  // namespace relight::bench

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "core/trace/stage.h"
+
+namespace relight::bench {
+
+/// A square heightfield of about `vertices` vertices (the nearest square number) and two triangles
+/// for each, over [-1, 1]^2, facing +z: the same hills at every size, more finely sampled.
+Mesh terrain(std::size_t vertices);
+
+/// That terrain, prepared; made once and kept.
+const Stage& terrain_stage(std::size_t vertices);
+
+/// That terrain as files with normals: binary PLY (50 MB for a million vertices), and OBJ.
+const std::string& terrain_ply(std::size_t vertices);
+const std::string& terrain_obj(std::size_t vertices);
+
+}  // namespace relight::bench
