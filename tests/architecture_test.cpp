@@ -18,9 +18,9 @@ struct Room {
     std::set<std::string> libraries;  ///< only its .cpp may include: first part of <…>
 };
 
-const std::set<std::string> kVtk{"vtk", "EGL", "GL", "zlib"};
+const std::set<std::string> vtk{"vtk", "EGL", "GL", "zlib"};
 
-const std::map<std::string, Room> kTable{
+const std::map<std::string, Room> table{
     {"core/base", {{}, {"immintrin"}}},
     {"core/light", {{"core/base"}, {}}},
     {"core/bsdf", {{"core/base"}, {}}},
@@ -34,8 +34,8 @@ const std::map<std::string, Room> kTable{
        "core/transport"},
       {}}},
     {"core/display", {{"core/base"}, {}}},
-    {"core/io", {{"core/base", "core/geometry", "core/display"}, kVtk}},
-    {"core/preview", {{"core/base", "core/geometry", "core/display"}, kVtk}},
+    {"core/io", {{"core/base", "core/geometry", "core/display"}, vtk}},
+    {"core/preview", {{"core/base", "core/geometry", "core/display"}, vtk}},
     {"server",
      {{"core", "core/base", "core/light", "core/bsdf", "core/geometry", "core/trace",
        "core/transport", "core/shade", "core/display", "core/io", "core/preview"},
@@ -80,16 +80,16 @@ std::vector<Include> includes()
 std::string library_of(const std::string& header)
 {
     if (header.starts_with("vtk")) { return "vtk"; }
-    static const std::map<std::string, std::string> kFlat{{"immintrin.h", "immintrin"},
-                                                          {"nanoflann.hpp", "nanoflann"},
-                                                          {"httplib.h", "httplib"},
-                                                          {"zlib.h", "zlib"}};
-    if (const auto found = kFlat.find(header); found != kFlat.end()) { return found->second; }
+    static const std::map<std::string, std::string> flat{{"immintrin.h", "immintrin"},
+                                                         {"nanoflann.hpp", "nanoflann"},
+                                                         {"httplib.h", "httplib"},
+                                                         {"zlib.h", "zlib"}};
+    if (const auto found = flat.find(header); found != flat.end()) { return found->second; }
     const auto slash = header.find('/');
     const std::string first = header.substr(0, slash);
     if (slash != std::string::npos) {
-        static const std::set<std::string> kSystem{"sys", "netinet", "arpa"};
-        return kSystem.contains(first) ? "posix" : first;
+        static const std::set<std::string> system{"sys", "netinet", "arpa"};
+        return system.contains(first) ? "posix" : first;
     }
     return header.ends_with(".h") || header.ends_with(".hpp") ? "posix" : "";
 }
@@ -100,8 +100,8 @@ TEST(Architecture, EveryIncludeFollowsTheWalk)
     EXPECT_GT(all.size(), 100U) << "the reader of includes found too little to be true";
     for (const Include& i : all) {
         const std::string place = i.file + ":" + std::to_string(i.line);
-        const auto room = kTable.find(i.room);
-        ASSERT_NE(room, kTable.end()) << place << ": no such room";
+        const auto room = table.find(i.room);
+        ASSERT_NE(room, table.end()) << place << ": no such room";
         if (i.quoted) {
             const std::string target = room_of(i.what);
             EXPECT_TRUE(target == i.room || room->second.rooms.contains(target))

@@ -25,7 +25,7 @@ struct Faces {
 };
 
 /// A mesh or point cloud as a reader found it: checked, nothing repaired, order and counts the
-/// client's. Every index is in range and every coordinate finite and below `kLargestCoordinate`.
+/// client's. Every index is in range and every coordinate finite and below `largest_coordinate`.
 /// Arrays beside `positions` are empty or have the stated length.
 struct Mesh {
     std::string format;             ///< "ply", "obj", "off", "stl", "json"
@@ -47,6 +47,6 @@ struct Mesh {
 
 /// |coordinate| beyond this is refused: squares and distances must stay finite, and
 /// single-precision rays too (Embree stops the process from 1.8e18 on).
-inline constexpr double kLargestCoordinate = 1e15;
+inline constexpr double largest_coordinate = 1e15;
 
 }  // namespace relight

@@ -88,7 +88,7 @@ bool triangulate(std::span<const Point3> positions, std::span<const unsigned> co
         return true;
     }
     const std::vector<Point2> flat = project(positions, corners);
-    const bool whole = corners.size() <= kMostCornersClipped;
+    const bool whole = corners.size() <= most_corners_clipped;
     if (flat.empty() || is_convex(flat) || !whole) {
         fan(corners, triangles);
         return flat.empty() || whole || is_convex(flat);

@@ -24,7 +24,7 @@ struct Cloud {
     }
 };
 
-constexpr std::size_t kNeighbours = 8;
+constexpr std::size_t neighbours = 8;
 
 }  // namespace
 
@@ -37,11 +37,11 @@ std::vector<float> cloud_spacing(std::span<const Point3> points, unsigned thread
     using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
                                                      Cloud, 3, std::size_t>;
     const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-    const std::size_t wanted = std::min(kNeighbours + 1, points.size());  // itself is the first
+    const std::size_t wanted = std::min(neighbours + 1, points.size());  // itself is the first
     const double per_neighbours = std::sqrt(std::numbers::pi / static_cast<double>(wanted - 1));
     parallel_for(points.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
-        std::array<std::size_t, kNeighbours + 1> index{};
-        std::array<double, kNeighbours + 1> squared{};
+        std::array<std::size_t, neighbours + 1> index{};
+        std::array<double, neighbours + 1> squared{};
         for (std::size_t i = begin; i < end; ++i) {
             const std::array<double, 3> query{points[i].x, points[i].y, points[i].z};
             const std::size_t found =

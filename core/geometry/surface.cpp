@@ -60,7 +60,7 @@ void triangulate_faces(const Mesh& mesh, Surface& surface)
     }
     if (fans > 0) {
         surface.intake.notes.push_back(std::to_string(fans) + " concave polygons of more than " +
-                                       std::to_string(kMostCornersClipped) +
+                                       std::to_string(most_corners_clipped) +
                                        " corners were split as fans");
     }
 }
@@ -75,7 +75,7 @@ struct FromFaces {
 
 /// A sphere's worth of volume for a surface of this area is 1 (isoperimetric quotient); a room open
 /// on one side or a scan with holes keeps most of it, a sheet has none.
-constexpr double kLeastEnclosed = 0.01;
+constexpr double least_enclosed = 0.01;
 
 FromFaces walk_faces(const Mesh& mesh, Surface& surface)
 {
@@ -113,7 +113,7 @@ FromFaces walk_faces(const Mesh& mesh, Surface& surface)
     }
     // 36 pi V^2 / A^3 = 8 pi V6^2 / A2^3
     const double enclosed = 8.0 * std::numbers::pi * volume6 * volume6 / (area2 * area2 * area2);
-    surface.intake.wound_inward = volume6 < 0.0 && enclosed > kLeastEnclosed;
+    surface.intake.wound_inward = volume6 < 0.0 && enclosed > least_enclosed;
     return walked;
 }
 

@@ -19,25 +19,32 @@ struct ReadLimits {
 
 enum class MeshFormat { Ply, Obj, Off, Stl };
 
-std::optional<MeshFormat> mesh_format_named(std::string_view name);        ///< "ply", "obj", "off", "stl"
-std::optional<MeshFormat> mesh_format_of_media(std::string_view media);    ///< "model/stl", "model/obj" …
-std::optional<MeshFormat> mesh_format_of_bytes(std::span<const std::byte> file);  ///< magic bytes, first words
+std::optional<MeshFormat> mesh_format_named(std::string_view name);  ///< "ply", "obj", "off", "stl"
+std::optional<MeshFormat> mesh_format_of_media(
+    std::string_view media);  ///< "model/stl", "model/obj" …
+std::optional<MeshFormat> mesh_format_of_bytes(
+    std::span<const std::byte> file);  ///< magic bytes, first words
 std::string_view name_of(MeshFormat format);
 
-/// Strict readers (fuzzed): bytes in, a checked Mesh or an Error with `line` or `byte` out. Counts are
-/// checked against the bytes that remain before anything is allocated; linear time; no path is opened,
-/// no locale asked. Vertex order and count are the file's. Errors: EmptyFile, MalformedHeader,
-/// MalformedBody, Truncated, CountExceedsFile, IndexOutOfRange, NonFiniteCoordinate,
-/// CoordinateTooLarge, NoGeometry, TooManyVertices, TooManyFaces, Cancelled.
-Result<Mesh> read_ply(std::span<const std::byte> file, const ReadLimits& limits, Progress& progress);
-Result<Mesh> read_obj(std::span<const std::byte> file, const ReadLimits& limits, Progress& progress);
-Result<Mesh> read_off(std::span<const std::byte> file, const ReadLimits& limits, Progress& progress);
-Result<Mesh> read_stl(std::span<const std::byte> file, const ReadLimits& limits, Progress& progress);
+/// Strict readers (fuzzed): bytes in, a checked Mesh or an Error with `line` or `byte` out. Counts
+/// are checked against the bytes that remain before anything is allocated; linear time; no path is
+/// opened, no locale asked. Vertex order and count are the file's. Errors: EmptyFile,
+/// MalformedHeader, MalformedBody, Truncated, CountExceedsFile, IndexOutOfRange,
+/// NonFiniteCoordinate, CoordinateTooLarge, NoGeometry, TooManyVertices, TooManyFaces, Cancelled.
+Result<Mesh> read_ply(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+Result<Mesh> read_obj(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+Result<Mesh> read_off(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+Result<Mesh> read_stl(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
 Result<Mesh> read_mesh(MeshFormat format, std::span<const std::byte> file, const ReadLimits& limits,
                        Progress& progress);
 
 /// True if float would lose what a text file says: some coordinate moves by more than 1e-7 of the
-/// bounds' diagonal. (Binary and declared doubles keep double if any coordinate is not exactly a float.)
+/// bounds' diagonal. (Binary and declared doubles keep double if any coordinate is not exactly a
+/// float.)
 bool float_loses_text(std::span<const Point3> positions);
 bool float_loses(std::span<const Point3> positions);
 

@@ -6,7 +6,7 @@ namespace relight {
 
 Camera frame(const Bounds& bounds, double fov_y, double aspect)
 {
-    constexpr double kMargin = 1.06;  // a little air around the model
+    constexpr double margin = 1.06;  // a little air around the model
     const Point3 centre = bounds.centre();
     Camera camera{centre + Vec3{0.45, 0.3, 1.0}, centre, {0, 1, 0}, fov_y};
     const CameraAxes a = axes(camera);
@@ -19,7 +19,7 @@ Camera frame(const Bounds& bounds, double fov_y, double aspect)
         const Vec3 from_centre = p - centre;
         const double across = std::abs(dot(from_centre, a.right)) / (t * aspect);
         const double up = std::abs(dot(from_centre, a.up)) / t;
-        distance = std::max(distance, dot(from_centre, a.back) + kMargin * std::max(across, up));
+        distance = std::max(distance, dot(from_centre, a.back) + margin * std::max(across, up));
     }
     if (!(distance > 0.0)) { distance = 1.0; }  // all in one point
     camera.eye = centre + Vec3(a.back) * distance;

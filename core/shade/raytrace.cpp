@@ -11,7 +11,7 @@
 namespace relight {
 namespace {
 
-constexpr std::size_t kRows = 4;  // of the image, between two looks at progress
+constexpr std::size_t rows = 4;  // of the image, between two looks at progress
 
 /// A point seen by the camera, ready to be lit.
 struct Seen {
@@ -96,10 +96,10 @@ Seen see(const Stage& stage, const Scene& scene, Point3 eye, Dir3 direction, con
     }
     seen.lit = static_cast<bool>(seen.ng);
     // An interpolated normal may lean away from a viewer who does see the surface: lean it back.
-    constexpr double kLeastCosine = 1e-3;
+    constexpr double least_cosine = 1e-3;
     const double cos_o = dot(seen.n, seen.wo);
-    if (seen.lit && cos_o < kLeastCosine) {
-        seen.n = normalize(Vec3(seen.n) + Vec3(seen.wo) * (kLeastCosine - cos_o));
+    if (seen.lit && cos_o < least_cosine) {
+        seen.n = normalize(Vec3(seen.n) + Vec3(seen.wo) * (least_cosine - cos_o));
     }
     return seen;
 }
@@ -189,7 +189,7 @@ Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions&
         image.pixels[at] = to_float(L);
         image.coverage[at] = static_cast<float>(covered);
     };
-    parallel_for(static_cast<std::size_t>(options.height), kRows, options.threads, progress,
+    parallel_for(static_cast<std::size_t>(options.height), rows, options.threads, progress,
                  [&](std::size_t begin, std::size_t end) {
                      PixelWork work;
                      PixelSamples places(side, options.seed);

@@ -6,7 +6,7 @@
 namespace relight {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t block = 4096;
 
 /// Direction from p to the viewer; "no direction" where the viewer stands at p.
 Dir3 toward_viewer(const Scene& scene, Point3 p, Dir3 n)
@@ -67,7 +67,7 @@ Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
         shaded.per_light.assign(scene.lights.size(), std::vector<Rgbf>(vertices));
     }
     parallel_for(
-        vertices, kBlock, options.threads, progress, [&](std::size_t begin, std::size_t end) {
+        vertices, block, options.threads, progress, [&](std::size_t begin, std::size_t end) {
             for (std::size_t v = begin; v < end; ++v) {
                 Rgb E;
                 for (std::size_t l = 0; l < transport.columns.size(); ++l) {

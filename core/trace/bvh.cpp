@@ -12,15 +12,15 @@ namespace relight {
 namespace {
 
 // Offsets off the surface, in units of the model's half diagonal (coordinates are in the unit box).
-constexpr double kLeastOffset = 1e-6;      // some ten roundings of a float coordinate
-constexpr double kLargestOffset = 2e-5;    // measured: no false shadow at any size up to 1e5
-constexpr double kOffsetPerEdge = 1e-2;    // less where triangles are small: thin gaps still shadow
-constexpr double kOffsetPerQuantum = 4.0;  // roughness of coordinates that were rounded when filed
+constexpr double least_offset = 1e-6;     // some ten roundings of a float coordinate
+constexpr double largest_offset = 2e-5;   // measured: no false shadow at any size up to 1e5
+constexpr double offset_per_edge = 1e-2;  // less where triangles are small: thin gaps still shadow
+constexpr double offset_per_quantum = 4.0;  // roughness of coordinates that were rounded when filed
 
 // A disc of a cloud must not shadow its own neighbourhood, which its neighbours overlap.
-constexpr double kRadiiIgnored = 2.0;
+constexpr double radii_ignored = 2.0;
 
-constexpr std::size_t kStream = 256;  // rays a call: the best of limits.md
+constexpr std::size_t stream_rays = 256;  // rays a call: the best of limits.md
 
 RTCDevice device()
 {
@@ -152,13 +152,13 @@ void Bvh::occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> bloc
     // Nothing of the model lies further than its diagonal (2 in the box) from a receiver in its
     // bounds.
     const auto beyond = [&](Vec3 origin) { return 4.0 + length(origin); };
-    std::array<RTCRay, kStream>
+    std::array<RTCRay, stream_rays>
         stream;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    for (std::size_t begin = 0; begin < rays.size(); begin += kStream) {
-        const std::size_t count = std::min(kStream, rays.size() - begin);
+    for (std::size_t begin = 0; begin < rays.size(); begin += stream_rays) {
+        const std::size_t count = std::min(stream_rays, rays.size() - begin);
         for (std::size_t i = 0; i < count; ++i) {
             const ShadowRay& r = rays[begin + i];
             const Vec3 origin = b.to_box(r.origin);
@@ -229,20 +229,20 @@ Clearance Bvh::clearance(double spacing) const
 {
     const Impl& b = *impl_;
     const double half = 1.0 / b.scale;
-    const double least = std::max(kLeastOffset * half, kOffsetPerQuantum * b.surface->quantum);
+    const double least = std::max(least_offset * half, offset_per_quantum * b.surface->quantum);
     if (b.surface->triangles.empty()) {
-        return {least, kRadiiIgnored * b.point_radius_scale * spacing};
+        return {least, radii_ignored * b.point_radius_scale * spacing};
     }
-    return {std::max(least, std::min(kLargestOffset * half, kOffsetPerEdge * spacing)), 0.0};
+    return {std::max(least, std::min(largest_offset * half, offset_per_edge * spacing)), 0.0};
 }
 
 std::uint64_t Bvh::bytes() const
 {
-    constexpr std::uint64_t kPerPrimitive = 65;  // measured for MEDIUM quality (limits.md)
+    constexpr std::uint64_t per_primitive = 65;  // measured for MEDIUM quality (limits.md)
     const Impl& b = *impl_;
     return sizeof(float) * (b.vertices.capacity() + b.disc_normals.capacity()) +
            sizeof(std::uint32_t) * b.disc_point.capacity() +
-           kPerPrimitive * (b.surface->triangles.size() + b.disc_point.size());
+           per_primitive * (b.surface->triangles.size() + b.disc_point.size());
 }
 
 std::string Bvh::kernel()

@@ -9,7 +9,7 @@
 namespace relight {
 namespace {
 
-constexpr std::size_t kBlock = 2048;  // vertices between two looks at progress
+constexpr std::size_t block = 2048;  // vertices between two looks at progress
 
 /// Fills one range of a column; returns the rays traced.
 std::uint64_t fill(const Stage& stage, const Light& light, const TransportOptions& options,
@@ -71,7 +71,7 @@ Transport trace(const Stage& stage, const Scene& scene, unsigned threads, Progre
         const auto column = std::make_shared<Column>(
             Column{std::vector<float>(vertices), std::vector<std::uint8_t>(vertices), 0});
         std::atomic<std::uint64_t> rays{0};
-        parallel_for(vertices, kBlock, threads, progress, [&](std::size_t begin, std::size_t end) {
+        parallel_for(vertices, block, threads, progress, [&](std::size_t begin, std::size_t end) {
             const std::size_t count = end - begin;
             rays += fill(stage, light, scene.transport, scene.length_unit_m, begin,
                          std::span(column->E).subspan(begin, count),

@@ -132,9 +132,9 @@ TEST(Pixels, AreAveragesOfRadianceOverTheirFootprint)
             return c[rows][static_cast<std::size_t>(y)][static_cast<std::size_t>(x)].get<double>();
         };
         // 16 renders of 256 samples: their spread is the standard error of one.
-        constexpr int kRuns = 16;
+        constexpr int run_count = 16;
         std::vector<Image> runs;
-        for (int run = 0; run < kRuns; ++run) {
+        for (int run = 0; run < run_count; ++run) {
             runs.push_back(
                 rendered(stage, scene, c["camera"], 256, static_cast<std::uint64_t>(run)).image);
         }
@@ -144,10 +144,11 @@ TEST(Pixels, AreAveragesOfRadianceOverTheirFootprint)
                 double squares = 0.0;
                 for (const Image& image : runs) {
                     const auto L = static_cast<double>(image.pixels[image.at(x, y)][0]);
-                    mean += L / kRuns;
-                    squares += L * L / kRuns;
+                    mean += L / run_count;
+                    squares += L * L / run_count;
                 }
-                const double sigma = std::sqrt(std::max(0.0, squares - mean * mean) / (kRuns - 1));
+                const double sigma =
+                    std::sqrt(std::max(0.0, squares - mean * mean) / (run_count - 1));
                 const double expected = value("L_box_filtered_rows", x, y);
                 EXPECT_NEAR(mean, expected, 4.0 * sigma + 1e-4 * expected)
                     << c["id"] << " " << x << "," << y;

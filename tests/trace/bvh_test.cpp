@@ -9,7 +9,7 @@
 namespace relight {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double far = std::numeric_limits<double>::infinity();
 
 struct Model {
     Mesh mesh;
@@ -38,7 +38,7 @@ struct Model {
     {
         const Clearance clear = bvh.clearance(static_cast<double>(surface.spacing[v]));
         return {mesh.positions[v] + Vec3(surface.normals[v]) * clear.offset, toward, clear.from,
-                kFar};
+                far};
     }
 };
 
@@ -145,7 +145,7 @@ TEST(Bvh, OccludersBeyondTheLightDoNotCountAndThoseBeforeItDo)
     const Model model(test::moved(test::grid(1), test::upright(), 1.0, {0, 0, 2}));
     const ShadowRay beyond{{0.1, 0.2, 0}, normalize({0, 0, 1}), 0.0, 1.9};
     const ShadowRay before{{0.1, 0.2, 0}, normalize({0, 0, 1}), 0.0, 2.1};
-    const ShadowRay behind{{0.1, 0.2, 0}, normalize({0, 0, -1}), 0.0, kFar};
+    const ShadowRay behind{{0.1, 0.2, 0}, normalize({0, 0, -1}), 0.0, far};
     EXPECT_FALSE(model.blocked(beyond));
     EXPECT_TRUE(model.blocked(before));
     EXPECT_FALSE(model.blocked(behind));
@@ -208,9 +208,9 @@ TEST(Bvh, NearestGivesThePlaceOnTheTriangleInDouble)
 TEST(Bvh, OfOnePointOrNothingAtAllIsEmptyNotFatal)
 {
     const Model one(test::mesh_of({{1, 2, 3}}, {}));
-    EXPECT_FALSE(one.blocked({{0, 0, 0}, normalize({1, 2, 3}), 0.0, kFar}));
+    EXPECT_FALSE(one.blocked({{0, 0, 0}, normalize({1, 2, 3}), 0.0, far}));
     const Model same(test::mesh_of({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {0, 1, 2}));
-    EXPECT_FALSE(same.blocked({{0, 0, 0}, normalize({1, 2, 3}), 0.0, kFar}));
+    EXPECT_FALSE(same.blocked({{0, 0, 0}, normalize({1, 2, 3}), 0.0, far}));
 }
 
 }  // namespace

@@ -30,14 +30,14 @@ Mesh disc(const json& blocker)
     const Point3 centre = point_of(blocker["center"]);
     const double radius = blocker["radius"];
     Mesh mesh;
-    constexpr std::uint32_t kCorners = 720;
-    for (std::uint32_t i = 0; i < kCorners; ++i) {
-        const double a = 2.0 * std::numbers::pi * i / kCorners;
+    constexpr std::uint32_t corners = 720;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const double a = 2.0 * std::numbers::pi * i / corners;
         mesh.positions.push_back(centre +
                                  frame.to_world({radius * std::cos(a), radius * std::sin(a), 0}));
         mesh.faces.indices.push_back(i);
     }
-    mesh.faces.offsets = {0, kCorners};
+    mesh.faces.offsets = {0, corners};
     return mesh;
 }
 

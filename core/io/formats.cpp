@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "core/io/readers.h"
+#include "core/io/text_scanner.h"
+
+namespace relight {
+namespace {
+
+using Named = std::pair<std::string_view, MeshFormat>;
+
+constexpr Named names[] = {{"ply", MeshFormat::Ply},
+                           {"obj", MeshFormat::Obj},
+                           {"off", MeshFormat::Off},
+                           {"stl", MeshFormat::Stl}};
+
+// IANA has model/stl, model/obj and text/prs.wavefront-obj; the rest is what clients send.
+constexpr Named media_types[] = {{"model/ply", MeshFormat::Ply},
+                                 {"application/ply", MeshFormat::Ply},
+                                 {"application/x-ply", MeshFormat::Ply},
+                                 {"model/obj", MeshFormat::Obj},
+                                 {"text/prs.wavefront-obj", MeshFormat::Obj},
+                                 {"application/x-obj", MeshFormat::Obj},
+                                 {"model/off", MeshFormat::Off},
+                                 {"application/off", MeshFormat::Off},
+                                 {"application/x-off", MeshFormat::Off},
+                                 {"model/stl", MeshFormat::Stl},
+                                 {"model/x.stl-ascii", MeshFormat::Stl},
+                                 {"model/x.stl-binary", MeshFormat::Stl},
+                                 {"application/sla", MeshFormat::Stl},
+                                 {"application/vnd.ms-pki.stl", MeshFormat::Stl}};
+
+constexpr std::string_view off_words[] = {"OFF",   "COFF",   "NOFF",   "CNOFF",
+                                          "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
+constexpr std::string_view obj_words[] = {"v", "vn", "vt", "vp", "f",      "o",
+                                          "g", "s",  "l",  "p",  "mtllib", "usemtl"};
+
+std::optional<MeshFormat> find(std::span<const Named> table, std::string_view name)
+{
+    const auto it =
+        std::find_if(table.begin(), table.end(), [&](const Named& n) { return n.first == name; });
+    if (it == table.end()) { return {}; }
+    return it->second;
+}
+
+/// A binary STL is 80 bytes of anything, a count, and 50 bytes a facet: its length gives it away.
+bool is_binary_stl(std::span<const std::byte> file)
+{
+    if (file.size() < 84) { return false; }
+    std::uint32_t facets = 0;
+    std::memcpy(&facets, file.data() + 80, sizeof(facets));
+    return file.size() == 84 + 50 * static_cast<std::uint64_t>(facets);
+}
+
+/// First word that is not in a comment.
+std::string_view first_word(std::span<const std::byte> file)
+{
+    TextScanner scanner(file);
+    for (;; scanner.next_line()) {
+        const std::string_view word = scanner.word_on_any_line();
+        if (!word.starts_with('#')) { return word; }
+    }
+}
+
+}  // namespace
+
+std::optional<MeshFormat> mesh_format_named(std::string_view name)
+{
+    return find(names, name);
+}
+
+std::optional<MeshFormat> mesh_format_of_media(std::string_view media)
+{
+    std::string type(media.substr(0, media.find_first_of("; \t")));  // without parameters
+    std::transform(type.begin(), type.end(), type.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return find(media_types, type);
+}
+
+std::optional<MeshFormat> mesh_format_of_bytes(std::span<const std::byte> file)
+{
+    const std::string_view word = first_word(file);
+    const auto is_among = [&](std::span<const std::string_view> words) {
+        return std::find(words.begin(), words.end(), word) != words.end();
+    };
+    if (word == "ply") { return MeshFormat::Ply; }
+    if (is_binary_stl(file) || word == "solid") { return MeshFormat::Stl; }
+    if (is_among(off_words)) { return MeshFormat::Off; }
+    if (is_among(obj_words)) { return MeshFormat::Obj; }
+    return {};
+}
+
+std::string_view name_of(MeshFormat format)
+{
+    return std::find_if(std::begin(names), std::end(names),
+                        [&](const Named& n) { return n.second == format; })
+        ->first;
+}
+
+Result<Mesh> read_mesh(MeshFormat format, std::span<const std::byte> file, const ReadLimits& limits,
+                       Progress& progress)
+{
+    switch (format) {
+        case MeshFormat::Ply:
+            return read_ply(file, limits, progress);
+        case MeshFormat::Obj:
+            return read_obj(file, limits, progress);
+        case MeshFormat::Off:
+            return read_off(file, limits, progress);
+        case MeshFormat::Stl:
+            break;
+    }
+    return read_stl(file, limits, progress);
+}
+
+bool float_loses_text(std::span<const Point3> positions)
+{
+    if (positions.empty()) { return false; }
+    Point3 low = positions.front(), high = low;
+    double most = 0.0;  // moved by rounding
+    for (const Point3& p : positions) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+        for (const double c : {p.x, p.y, p.z}) {
+            most = std::max(most, std::abs(static_cast<double>(static_cast<float>(c)) - c));
+        }
+    }
+    return most > 1e-7 * length(high - low);
+}
+
+bool float_loses(std::span<const Point3> positions)
+{
+    const auto is_float = [](double c) { return static_cast<double>(static_cast<float>(c)) == c; };
+    return !std::all_of(positions.begin(), positions.end(), [&](const Point3& p) {
+        return is_float(p.x) && is_float(p.y) && is_float(p.z);
+    });
+}
+
+}  // namespace relight

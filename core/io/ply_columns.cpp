@@ -1,0 +1,134 @@
+#include "core/io/ply_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstring>
+#include <unordered_set>
+
+#include "core/io/srgb_codes.h"
+
+namespace relight::ply {
+namespace {
+
+/// A column of value(i), an array of as many numbers as there are names.
+template <class Value>
+Column column(Scalar type, std::vector<std::string> names, Value value)
+{
+    assert(names.size() * size_of(type) == sizeof(value(0)));
+    return {type, std::move(names),
+            [value](std::size_t first, std::size_t n, char* out, std::size_t stride) {
+                for (std::size_t i = first; i < first + n; ++i, out += stride) {
+                    const auto numbers = value(i);
+                    std::memcpy(out, &numbers, sizeof(numbers));
+                }
+            }};
+}
+
+/// The 8-bit codes that these colours came from; nothing if they did not.
+std::vector<Rgb8> codes_of(std::span<const Rgbf> colors)
+{
+    const std::vector<float> table = decoded_srgb(255);
+    std::vector<Rgb8> codes;
+    codes.reserve(colors.size());
+    for (const Rgbf& color : colors) {
+        Rgb8 code{};
+        for (std::size_t band = 0; band < 3; ++band) {
+            const auto it = std::lower_bound(table.begin(), table.end(), color[band]);
+            if (it == table.end() || *it != color[band]) { return {}; }
+            code[band] = static_cast<unsigned char>(it - table.begin());
+        }
+        codes.push_back(code);
+    }
+    return codes;
+}
+
+/// Names with nothing but [A-Za-z0-9_], each once.
+class Names {
+  public:
+    std::vector<std::string> of(const Quantity3& quantity)
+    {
+        if (quantity.components == 1) { return {unique(quantity.name)}; }
+        return {unique(quantity.name + "_r"), unique(quantity.name + "_g"),
+                unique(quantity.name + "_b")};
+    }
+
+  private:
+    std::string unique(std::string name)
+    {
+        for (char& c : name) {
+            const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                              (c >= '0' && c <= '9') || c == '_';
+            if (!good) { c = '_'; }
+        }
+        while (!taken_.insert(name).second) { name += '_'; }
+        return name;
+    }
+
+    std::unordered_set<std::string> taken_{"x",   "y",     "z",    "nx", "ny", "nz",
+                                           "red", "green", "blue", "s",  "t"};
+};
+
+std::array<float, 3> as_floats(Vec3 v)
+{
+    return to_float(Rgb{v.x, v.y, v.z});
+}
+
+Column color_column(const LitMesh& lit)
+{
+    const std::vector<std::string> names = {"red", "green", "blue"};
+    if (!lit.color.empty()) {
+        return column(Scalar::U8, names, [lit](std::size_t i) { return lit.color[i]; });
+    }
+    std::vector<Rgb8> codes = codes_of(lit.mesh.colors);
+    if (!codes.empty()) {
+        return column(Scalar::U8, names,
+                      [codes = std::move(codes)](std::size_t i) { return codes[i]; });
+    }
+    return column(Scalar::F32, names, [&mesh = lit.mesh](std::size_t i) { return mesh.colors[i]; });
+}
+
+}  // namespace
+
+std::vector<Column> columns_of(const LitMesh& lit)
+{
+    const Mesh& mesh = lit.mesh;
+    std::vector<Column> columns;
+    if (mesh.double_positions) {
+        columns.push_back(column(Scalar::F64, {"x", "y", "z"},
+                                 [&mesh](std::size_t i) { return mesh.positions[i]; }));
+    } else {
+        columns.push_back(column(Scalar::F32, {"x", "y", "z"}, [&mesh](std::size_t i) {
+            return as_floats(mesh.positions[i] - Point3{});
+        }));
+    }
+    if (!lit.normals.empty()) {
+        columns.push_back(column(Scalar::F32, {"nx", "ny", "nz"},
+                                 [n = lit.normals](std::size_t i) { return as_floats(n[i]); }));
+    } else if (!mesh.normals.empty()) {
+        columns.push_back(column(Scalar::F32, {"nx", "ny", "nz"},
+                                 [&mesh](std::size_t i) { return as_floats(mesh.normals[i]); }));
+    }
+    if (!mesh.uvs.empty()) {
+        columns.push_back(
+            column(Scalar::F32, {"s", "t"}, [&mesh](std::size_t i) { return mesh.uvs[i]; }));
+    }
+    if (!lit.color.empty() || !mesh.colors.empty()) { columns.push_back(color_column(lit)); }
+    Names names;
+    for (const Quantity3& q : lit.quantities) {
+        assert(q.components == 1 || q.components == 3);
+        assert(q.values.size() == mesh.positions.size() * static_cast<std::size_t>(q.components));
+        if (q.components == 1) {
+            columns.push_back(column(Scalar::F32, names.of(q), [values = q.values](std::size_t i) {
+                return std::array{values[i]};
+            }));
+        } else {
+            columns.push_back(column(Scalar::F32, names.of(q), [values = q.values](std::size_t i) {
+                return std::array{values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+            }));
+        }
+    }
+    return columns;
+}
+
+}  // namespace relight::ply

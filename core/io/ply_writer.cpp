@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+
+#include "core/io/ply_columns.h"
+#include "core/io/ply_source.h"
+#include "core/io/writers.h"
+
+namespace relight {
+namespace ply {
+namespace {
+
+/// How faces are written.
+struct FaceShape {
+    Scalar count = Scalar::U8;  // of the lists' lengths
+    bool uvs = false;           // texcoord, u v a corner
+    bool materials = false;     // material_index
+};
+
+FaceShape shape_of(const Mesh& mesh)
+{
+    FaceShape shape{Scalar::U8, !mesh.corner_uvs.empty(), !mesh.face_materials.empty()};
+    std::size_t longest = 3;
+    for (std::size_t f = 0; !mesh.faces.offsets.empty() && f < mesh.faces.count(); ++f) {
+        longest = std::max(longest, mesh.faces.end(f) - mesh.faces.begin(f));
+    }
+    if ((shape.uvs ? 2 : 1) * longest > 255) { shape.count = Scalar::U32; }
+    return shape;
+}
+
+/// A comment stays one line, whatever its text holds.
+void append_comment(std::string& out, std::string_view text)
+{
+    out += "comment ";
+    for (const char c : text) {
+        out += static_cast<unsigned char>(c) < ' ' || c == '\x7f' ? ' ' : c;
+    }
+    out += '\n';
+}
+
+std::string header_of(const LitMesh& lit, const std::vector<Column>& columns,
+                      const FaceShape& faces, PlyEncoding encoding)
+{
+    const Mesh& mesh = lit.mesh;
+    std::string out = "ply\nformat ";
+    out += encoding == PlyEncoding::Ascii ? "ascii 1.0\n" : "binary_little_endian 1.0\n";
+    for (const std::string& comment : lit.comments) { append_comment(out, comment); }
+    for (std::size_t m = 0; faces.materials && m < mesh.materials.size(); ++m) {
+        append_comment(out, "material " + std::to_string(m) + " " + mesh.materials[m]);
+    }
+    out += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
+    for (const Column& column : columns) {
+        for (const std::string& name : column.names) {
+            out += "property ";
+            out += name_of(column.type);
+            out += " " + name + "\n";
+        }
+    }
+    if (mesh.faces.count() > 0) {
+        const std::string list = "property list " + std::string(name_of(faces.count));
+        out += "element face " + std::to_string(mesh.faces.count()) + "\n";
+        out += list + " int vertex_indices\n";
+        if (faces.uvs) { out += list + " float texcoord\n"; }
+        if (faces.materials) { out += "property int material_index\n"; }
+    }
+    return out + "end_header\n";
+}
+
+/// Appends numbers as bytes.
+struct BinaryOut {
+    std::string& out;
+
+    template <class T>
+    void number(T value)
+    {
+        char bytes[sizeof(T)];
+        std::memcpy(bytes, &value, sizeof(T));
+        out.append(bytes, sizeof(T));
+    }
+    void end_record() {}
+};
+
+/// Appends numbers as the fewest digits that read back exactly, a record a line.
+struct AsciiOut {
+    std::string& out;
+
+    template <class T>
+    void number(T value)
+    {
+        char digits[32];
+        char* const end = std::to_chars(digits, digits + sizeof(digits) - 1, value).ptr;
+        *end = ' ';
+        out.append(digits, end + 1);
+    }
+    void end_record() { out.back() = '\n'; }
+};
+
+void append_vertices(std::string& out, std::size_t count, const std::vector<Column>& columns,
+                     PlyEncoding encoding)
+{
+    constexpr std::size_t block_rows = 1024;
+    std::size_t stride = 0;
+    for (const Column& column : columns) { stride += column.size(); }
+    std::vector<char> rows(block_rows * stride);  // stays in the cache
+    for (std::size_t first = 0; first < count; first += block_rows) {
+        const std::size_t n = std::min(block_rows, count - first);
+        char* place = rows.data();
+        for (const Column& column : columns) {
+            column.fill(first, n, place, stride);
+            place += column.size();
+        }
+        if (encoding == PlyEncoding::BinaryLittleEndian) {
+            out.append(rows.data(), n * stride);
+            continue;
+        }
+        const auto* at = reinterpret_cast<const std::byte*>(rows.data());
+        for (std::size_t i = 0; i < n; ++i) {
+            for (const Column& column : columns) {
+                for (std::size_t k = 0; k < column.names.size(); ++k, at += size_of(column.type)) {
+                    with_type(column.type, [&](auto zero) {
+                        AsciiOut{out}.number(load<decltype(zero), false>(at));
+                    });
+                }
+            }
+            AsciiOut{out}.end_record();
+        }
+    }
+}
+
+template <class Out>
+void append_faces(Out out, const Mesh& mesh, const FaceShape& shape)
+{
+    const auto length = [&](std::size_t n) {
+        if (shape.count == Scalar::U8) { return out.number(static_cast<std::uint8_t>(n)); }
+        out.number(static_cast<std::uint32_t>(n));
+    };
+    for (std::size_t f = 0; f < mesh.faces.count(); ++f) {
+        const std::size_t begin = mesh.faces.begin(f), end = mesh.faces.end(f);
+        length(end - begin);
+        for (std::size_t c = begin; c < end; ++c) { out.number(mesh.faces.indices[c]); }
+        if (shape.uvs) {
+            length(2 * (end - begin));
+            for (std::size_t c = begin; c < end; ++c) {
+                out.number(mesh.corner_uvs[c][0]);
+                out.number(mesh.corner_uvs[c][1]);
+            }
+        }
+        if (shape.materials) { out.number(mesh.face_materials[f]); }
+        out.end_record();
+    }
+}
+
+/// The common case, in blocks: a length of 3 and the indices.
+void append_triangles(std::string& out, std::span<const std::uint32_t> indices)
+{
+    constexpr std::size_t faces = 2048, bytes = 1 + sizeof(Triangle);
+    std::array<char, faces * bytes> block;
+    for (std::size_t first = 0; first < indices.size(); first += 3 * faces) {
+        const auto triangles = indices.subspan(first, std::min(3 * faces, indices.size() - first));
+        char* at = block.data();
+        for (std::size_t k = 0; k < triangles.size(); k += 3, at += bytes) {
+            *at = 3;
+            std::memcpy(at + 1, &triangles[k], sizeof(Triangle));
+        }
+        out.append(block.data(), at);
+    }
+}
+
+}  // namespace
+}  // namespace ply
+
+std::string write_ply(const LitMesh& lit, PlyEncoding encoding)
+{
+    const Mesh& mesh = lit.mesh;
+    const std::vector<ply::Column> columns = ply::columns_of(lit);
+    const ply::FaceShape shape = ply::shape_of(mesh);
+    std::string out = ply::header_of(lit, columns, shape, encoding);
+
+    // A guess for ascii, and all that is needed for binary triangles.
+    std::size_t stride = 0;
+    for (const ply::Column& column : columns) { stride += column.size(); }
+    out.reserve(out.size() + stride * mesh.positions.size() + 4 * mesh.faces.indices.size() +
+                mesh.faces.count());
+
+    ply::append_vertices(out, mesh.positions.size(), columns, encoding);
+    const bool plain = mesh.faces.offsets.empty() && !shape.uvs && !shape.materials;
+    if (encoding == PlyEncoding::Ascii) {
+        ply::append_faces(ply::AsciiOut{out}, mesh, shape);
+    } else if (plain) {
+        ply::append_triangles(out, mesh.faces.indices);
+    } else {
+        ply::append_faces(ply::BinaryOut{out}, mesh, shape);
+    }
+    return out;
+}
+
+}  // namespace relight

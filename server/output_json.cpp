@@ -1,0 +1,113 @@
+#include "server/output_json.h"
+
+namespace relight {
+namespace {
+
+constexpr int largest_image = 8192;  // pixels, each way
+
+Quantities parse_quantities(Fields& output)
+{
+    const JsonArray* names = output.array("quantities");
+    Quantities wanted;
+    if (names == nullptr) {
+        wanted.color = true;
+        return wanted;
+    }
+    if (names->empty()) {
+        output.fail(Fault::WrongLength, "quantities",
+                    "found no quantities; at least 1, as \"color\"");
+    }
+    for (std::size_t i = 0; i < names->size(); ++i) {
+        // An array's item read as a field, so that a word is checked in one place.
+        const std::string place = std::to_string(i);
+        const Json item{JsonObject{{place, (*names)[i]}}};
+        Fields one(item, output.pointer_to("quantities"), "a quantity", output.errors());
+        const auto name = one.choice(
+            place, {"color", "irradiance", "radiance", "visibility", "normal", "per_light"},
+            {"ambient_occlusion", "standard_error", "sh"});
+        if (!name) { continue; }
+        bool& asked = *name == "color"        ? wanted.color
+                      : *name == "irradiance" ? wanted.irradiance
+                      : *name == "radiance"   ? wanted.radiance
+                      : *name == "visibility" ? wanted.visibility
+                      : *name == "normal"     ? wanted.normal
+                                              : wanted.per_light;
+        if (asked) {
+            one.fail(Fault::ConflictingFields, place, "\"" + *name + "\" is asked for twice");
+        }
+        asked = true;
+    }
+    return wanted;
+}
+
+}  // namespace
+
+Display parse_display(Fields fields)
+{
+    Display display;
+    const Json* exposure = fields.find("exposure_ev");
+    if (exposure != nullptr && std::holds_alternative<std::string>(exposure->value)) {
+        display.auto_exposure = fields.choice("exposure_ev", {"auto"}).has_value();
+    } else {
+        display.exposure_ev =
+            fields.number("exposure_ev", {-64.0, 64.0, "EV (stops)"}).value_or(0.0);
+    }
+    const auto map = fields.choice(
+        "tone_map",
+        {"none", "reinhard", "reinhard_extended", "aces_narkowicz", "aces_hill", "pbr_neutral"},
+        {"agx"});
+    if (map == "reinhard") { display.tone_map = ToneMap::Reinhard; }
+    if (map == "reinhard_extended") { display.tone_map = ToneMap::ReinhardExtended; }
+    if (map == "aces_narkowicz") { display.tone_map = ToneMap::AcesNarkowicz; }
+    if (map == "aces_hill") { display.tone_map = ToneMap::AcesHill; }
+    if (map == "pbr_neutral") { display.tone_map = ToneMap::PbrNeutral; }
+    if (display.tone_map == ToneMap::ReinhardExtended) {
+        display.white = fields.number("white", {0.0, 1e12, "luminance after exposure", true})
+                            .value_or(display.white);
+    }
+    fields.choice("transfer", {"srgb"});
+    fields.finish();
+    return display;
+}
+
+Output parse_output(Fields fields, const ParseLimits& limits)
+{
+    Output output;
+    const auto format = fields.choice("format", {"ply", "ply_ascii", "json", "npz", "png"},
+                                      {"obj", "off", "glb", "vtp", "jpeg", "exr", "hdr"});
+    if (format == "ply") { output.format = Format::Ply; }
+    if (format == "ply_ascii") { output.format = Format::PlyAscii; }
+    if (format == "json") { output.format = Format::Json; }
+    if (format == "npz") { output.format = Format::Npz; }
+    if (format == "png") { output.format = Format::Png; }
+    output.quantities = parse_quantities(fields);
+    output.quantities_given = fields.has("quantities");
+    for (const std::string_view name : {"width", "height", "samples", "renderer", "background"}) {
+        if (fields.has(name) && !output.image_field) { output.image_field = name; }
+    }
+    output.width =
+        static_cast<int>(fields.integer("width", 1, largest_image).value_or(output.width));
+    output.height =
+        static_cast<int>(fields.integer("height", 1, largest_image).value_or(output.height));
+    output.samples = static_cast<int>(fields.integer("samples", 1, 1024).value_or(output.samples));
+    if (fields.choice("renderer", {"raytrace", "vtk"}) == "vtk") {
+        output.renderer = Renderer::Vtk;
+    }
+    const Json* background = fields.find("background");
+    if (background != nullptr && std::holds_alternative<std::string>(background->value)) {
+        if (fields.choice("background", {"transparent"})) { output.background.reset(); }
+    } else {
+        output.background = fields.color("background", {0.0, 1e12, "radiance"}).value_or(Rgb{});
+    }
+    const auto pixels =
+        static_cast<std::uint64_t>(output.width) * static_cast<std::uint64_t>(output.height);
+    if (pixels > limits.pixels) {
+        fields.fail(Fault::OutOfRange, "height",
+                    "found " + std::to_string(pixels) + " pixels; at most " +
+                        std::to_string(limits.pixels) + " (limit --max-pixels)");
+    }
+    fields.finish();
+    return output;
+}
+
+}  // namespace relight

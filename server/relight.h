@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/base/result.h"
+#include "core/io/readers.h"
+#include "server/cache.h"
+#include "server/multipart.h"
+#include "server/request.h"
+#include "server/store.h"
+
+namespace relight {
+
+/// What a relight job needs besides its request.
+struct Workshop {
+    const Store& store;
+    StageCache& cache;
+    unsigned threads = 0;  ///< of one job; 0: one a core
+    ReadLimits read;
+    std::uint64_t rays = 4'000'000'000;  ///< one job may ask for
+    std::uint64_t memory = 4ULL << 30U;  ///< bytes one job may hold beside its stage
+};
+
+/// Milliseconds of the stages of the walk, as Server-Timing reports them.
+struct Timings {
+    double parse = 0, bvh = 0, trace = 0, shade = 0, encode = 0, total = 0;
+};
+
+/// An answer, ready to be sent.
+struct Encoded {
+    std::string media_type;
+    std::string bytes;
+    std::uint64_t rays = 0;
+    Timings timings;
+};
+
+/// The whole walk: mesh -> Stage -> Transport -> Shaded -> bytes. `format` is decided; `parts` are
+/// the files that came with the request. Errors: NotFound and MissingField at /mesh, the readers'
+/// own, NormalsRequired, OutOfRange where the work asked for is beyond a limit, ConflictingFields,
+/// Cancelled.
+Result<Encoded> relight(const RelightRequest& request, Format format,
+                        const std::vector<Part>& parts, const Workshop& workshop,
+                        Progress& progress);
+
+/// A file's bytes as a Stage, and its parts on the way (upload needs no Bvh).
+Result<Mesh> parse_mesh(std::span<const std::byte> file, std::optional<std::string_view> named,
+                        std::string_view content_type, const ReadLimits& limits,
+                        Progress& progress);
+
+}  // namespace relight

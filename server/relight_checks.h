@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/relight.h"
+
+namespace relight {
+
+/// Refuses what this mesh or the limits cannot serve, before the work starts.
+std::optional<Error> check(const RelightRequest& request, Format format, const Stage& stage,
+                           const Scene& scene, const Workshop& workshop);
+
+/// Refuses fields that the answer's format has no place for.
+std::optional<Error> check_format(const Output& output, Format format);
+
+/// What a reader of the answer should know; `clamped` values were beyond single precision.
+std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped);
+
+}  // namespace relight

@@ -1,0 +1,174 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/io/readers.h"
+#include "core/io/utf8.h"
+
+namespace relight::test {
+
+using Reader = Result<Mesh> (*)(std::span<const std::byte>, const ReadLimits&, Progress&);
+
+inline std::string contents(const std::string& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline Result<Mesh> read(Reader reader, std::string_view text, const ReadLimits& limits = {})
+{
+    Progress progress;
+    return reader(std::as_bytes(std::span(text)), limits, progress);
+}
+
+/// True if two readings hold the same; notes, which say how the file was written, may differ.
+inline bool same(const Mesh& a, const Mesh& b)
+{
+    return a.format == b.format && a.positions == b.positions &&
+           a.double_positions == b.double_positions && a.faces.indices == b.faces.indices &&
+           a.faces.offsets == b.faces.offsets && a.normals == b.normals && a.colors == b.colors &&
+           a.uvs == b.uvs && a.corner_uvs == b.corner_uvs && a.materials == b.materials &&
+           a.face_materials == b.face_materials;
+}
+
+/// True if some note of the mesh contains `words`.
+inline bool notes_say(const Mesh& mesh, std::string_view words)
+{
+    return std::any_of(mesh.notes.begin(), mesh.notes.end(), [&](const std::string& note) {
+        return note.find(words) != std::string::npos;
+    });
+}
+
+/// Every promise of mesh.h and readers.h about what a reader returns: the first one that `mesh`,
+/// read from a file of `bytes`, breaks; empty if it keeps them all.
+inline std::string broken_promise(const Mesh& mesh, std::size_t bytes)
+{
+    const std::size_t vertices = mesh.positions.size();
+    const Faces& faces = mesh.faces;
+    const auto all = [](const auto& values, auto good) {
+        return std::all_of(values.begin(), values.end(), good);
+    };
+    const auto finite = [](const auto& numbers) {
+        return std::all_of(numbers.begin(), numbers.end(),
+                           [](float x) { return std::isfinite(x); });
+    };
+    const auto good_position = [](Point3 p) {
+        return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= largest_coordinate &&
+               is_finite(p);
+    };
+    const auto none_or = [](std::size_t size, std::size_t full) {
+        return size == 0 || size == full;
+    };
+    if (vertices == 0) { return "no vertices"; }
+    if (!all(mesh.positions, good_position)) { return "a position is not finite or too large"; }
+    if (!all(faces.indices, [&](std::uint32_t i) { return i < vertices; })) {
+        return "an index is out of range";
+    }
+    if (faces.offsets.empty()
+            ? faces.indices.size() % 3 != 0
+            : faces.offsets.front() != 0 || faces.offsets.back() != faces.indices.size()) {
+        return "the offsets do not span the indices";
+    }
+    for (std::size_t f = 0; f < faces.count(); ++f) {
+        if (faces.end(f) < faces.begin(f) + 3) { return "a face has fewer than three corners"; }
+    }
+    if (!none_or(mesh.normals.size(), vertices) || !none_or(mesh.colors.size(), vertices) ||
+        !none_or(mesh.uvs.size(), vertices) ||
+        !none_or(mesh.corner_uvs.size(), faces.indices.size()) ||
+        !none_or(mesh.face_materials.size(), faces.count())) {
+        return "an array has the wrong length";
+    }
+    if (!all(mesh.normals, [](Vec3 n) { return is_finite(n); })) {
+        return "a normal is not finite";
+    }
+    if (!all(mesh.colors, finite) || !all(mesh.uvs, finite) || !all(mesh.corner_uvs, finite)) {
+        return "a colour or texture coordinate is not finite";
+    }
+    if (!all(mesh.face_materials, [&](std::uint32_t m) { return m < mesh.materials.size(); })) {
+        return "a face's material is out of range";
+    }
+    if (!all(mesh.materials, is_utf8) || !all(mesh.notes, is_utf8)) { return "text is not UTF-8"; }
+    const std::size_t held =
+        vertices * sizeof(Point3) + 4 * (faces.indices.size() + faces.offsets.size()) +
+        24 * mesh.normals.size() + 12 * mesh.colors.size() +
+        8 * (mesh.uvs.size() + mesh.corner_uvs.size()) + 4 * mesh.face_materials.size();
+    if (held > 32 * bytes) { return "the mesh takes more than 32 times its file"; }
+    return {};
+}
+
+/// The first promise that a reader breaks on `text`: a mesh that is not what mesh.h says, or an
+/// error that says nothing, or no place for a fault that has one.
+inline std::string broken_promise(Reader reader, std::string_view text)
+{
+    const Result<Mesh> mesh = read(reader, text);
+    if (mesh) { return broken_promise(*mesh, text.size()); }
+    const Error& error = mesh.error();
+    if (error.detail.empty() || !is_utf8(error.detail)) {
+        return "an error without a readable text";
+    }
+    const bool whole_file = error.fault == Fault::EmptyFile || error.fault == Fault::NoGeometry;
+    if (!whole_file && !error.line && !error.byte) { return "an error without a place"; }
+    return {};
+}
+
+/// Reads every truncation (or some 500 of a long text) and `count` random mutations of `text`:
+/// flipped, removed, doubled and replaced bytes, numbers made extreme.
+inline std::string broken_promise_of_mutants(Reader reader, const std::string& text, int count,
+                                             unsigned seed)
+{
+    for (std::size_t size = 0; size < text.size(); size += 1 + text.size() / 500) {
+        // A copy of just that size, so that a sanitizer sees the first byte read beyond it.
+        const std::vector<char> cut(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(size));
+        const std::string broken = broken_promise(reader, {cut.data(), cut.size()});
+        if (!broken.empty()) { return broken + " when cut to " + std::to_string(size); }
+    }
+    constexpr std::string_view words[] = {"4294967295", "-1",
+                                          "0",          "99999999999999999999",
+                                          "nan",        "1e999",
+                                          "1e-999",     "\n",
+                                          "\\\n",       "#",
+                                          "/",          "2147483648",
+                                          "\r",         "1e-9223372036854775808"};
+    std::mt19937 random(seed);
+    const auto below = [&](std::size_t n) { return random() % n; };
+    for (int i = 0; i < count; ++i) {
+        std::string mutant = text;
+        for (std::size_t edits = 1 + below(4); edits > 0 && !mutant.empty(); --edits) {
+            const std::size_t at = below(mutant.size());
+            switch (below(5)) {
+                case 0:
+                    mutant[at] = static_cast<char>(random());
+                    break;
+                case 1:
+                    mutant.erase(at, 1 + below(16));
+                    break;
+                case 2:
+                    mutant.insert(at, mutant.substr(below(mutant.size()), 1 + below(32)));
+                    break;
+                case 3:
+                    mutant[at] = static_cast<char>(mutant[at] ^ (1 << below(8)));
+                    break;
+                default:
+                    mutant.insert(at, words[below(std::size(words))]);
+                    break;
+            }
+        }
+        std::string broken = broken_promise(reader, mutant);
+        if (!broken.empty()) {
+            broken += " in mutant " + std::to_string(i) + ":\n" + mutant;
+            return broken;
+        }
+    }
+    return {};
+}
+
+}  // namespace relight::test

@@ -1,0 +1,97 @@
+#include "server/cache.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+namespace relight {
+namespace {
+
+/// A stage of one triangle.
+Result<Stage> triangle()
+{
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.faces.indices = {0, 1, 2};
+    Progress progress;
+    Stage stage;
+    stage.mesh = std::make_shared<const Mesh>(mesh);
+    stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, 1, progress));
+    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, BvhOptions{});
+    return stage;
+}
+
+/// Counts builds.
+struct Builder {
+    int builds = 0;
+    std::function<Result<Stage>()> operator()()
+    {
+        return [this] {
+            ++builds;
+            return triangle();
+        };
+    }
+};
+
+TEST(StageCache, BuildsAStageOnceForAllWhoAskAtOnce)
+{
+    StageCache cache(1U << 30U);
+    std::atomic<int> builds{0};
+    std::vector<std::jthread> threads;
+    threads.reserve(8);
+    for (int i = 0; i < 8; ++i) {
+        threads.emplace_back([&] {
+            const auto stage = cache.stage("a", [&] {
+                ++builds;
+                std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                return triangle();
+            });
+            EXPECT_TRUE(stage);
+        });
+    }
+    threads.clear();
+    EXPECT_EQ(builds, 1);
+}
+
+TEST(StageCache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
+{
+    const std::uint64_t one = bytes_of(*triangle());
+    StageCache cache(2 * one + one / 2);
+    Builder a;
+    Builder b;
+    Builder c;
+    for (int i = 0; i < 2; ++i) { ASSERT_TRUE(cache.stage("a", a())); }
+    ASSERT_TRUE(cache.stage("b", b()));
+    ASSERT_TRUE(cache.stage("a", a()));
+    ASSERT_TRUE(cache.stage("c", c()));  // b goes: a was used after it
+    EXPECT_LE(cache.bytes(), 2 * one + one / 2);
+    ASSERT_TRUE(cache.stage("a", a()));
+    EXPECT_EQ(a.builds, 1);
+    ASSERT_TRUE(cache.stage("b", b()));
+    EXPECT_EQ(b.builds, 2);
+}
+
+TEST(StageCache, DoesNotKeepWhatFailedToBuild)
+{
+    StageCache cache(1U << 30U);
+    const auto fail = []() -> Result<Stage> { return Error{Fault::NoGeometry, "x", {}, {}, {}}; };
+    EXPECT_FALSE(cache.stage("a", fail));
+    EXPECT_THROW(static_cast<void>(cache.stage("a", []() -> Result<Stage> { throw 1; })), int);
+    EXPECT_EQ(cache.bytes(), 0U);
+    EXPECT_TRUE(cache.stage("a", triangle));
+}
+
+TEST(StageCache, ForgetsEveryStageOfAMesh)
+{
+    StageCache cache(1U << 30U);
+    Builder built;
+    for (const char* key : {"m 1", "m 2", "n 1"}) { ASSERT_TRUE(cache.stage(key, built())); }
+    cache.forget("m");
+    EXPECT_EQ(cache.bytes(), bytes_of(*triangle()));
+    ASSERT_TRUE(cache.stage("n 1", built()));
+    EXPECT_EQ(built.builds, 3);
+}
+
+}  // namespace
+}  // namespace relight
