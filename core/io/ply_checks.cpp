@@ -52,8 +52,8 @@ Result<Done> check_counts(const Header& header, std::size_t file_size, const Rea
         const Element* element = header.find(name);
         return element == nullptr ? 0 : element->count;
     };
-    constexpr std::uint64_t indices = 0xffff'ffffU;  // indices are 32 bits wide
-    const std::uint64_t most_vertices = std::min(limits.vertices, indices);
+    constexpr std::uint64_t most_indices = 0xffff'ffffU;  // indices are 32 bits wide
+    const std::uint64_t most_vertices = std::min(limits.vertices, most_indices);
     if (count("vertex") > most_vertices) {
         return refuse(Fault::TooManyVertices, std::to_string(count("vertex")) +
                                                   " vertices; the limit is " +

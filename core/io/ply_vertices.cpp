@@ -79,7 +79,7 @@ void VertexSink::bind_colors(const Element& vertex)
                 "uchar, ushort (sRGB) and float, double (linear)");
             continue;
         }
-        colors_ = bind(vertex, names, color);
+        colors_ = bind(vertex, names, color_slot);
         if (colors_ && largest) { color_table_ = decoded_srgb(*largest); }
         if (colors_) { return; }
     }
@@ -88,7 +88,7 @@ void VertexSink::bind_colors(const Element& vertex)
 void VertexSink::bind_uvs(const Element& vertex)
 {
     for (const Names names : uv_names) {
-        uvs_ = bind(vertex, names, uv);
+        uvs_ = bind(vertex, names, uv_slot);
         if (!uvs_) { continue; }
         const Scalar type = vertex.properties[*vertex.find(names[0])].type;
         if (const auto largest = full_scale(type)) {
@@ -102,14 +102,14 @@ Result<VertexSink> VertexSink::of(const Element& vertex)
 {
     VertexSink sink;
     sink.slots_.resize(vertex.properties.size());
-    if (!sink.bind(vertex, position_names, position)) {
+    if (!sink.bind(vertex, position_names, position_slot)) {
         return Error{Fault::MalformedHeader,
                      "the vertex element needs the scalar properties x, y and z",
                      {},
                      {},
                      {}};
     }
-    sink.normals_ = sink.bind(vertex, normal_names, normal);
+    sink.normals_ = sink.bind(vertex, normal_names, normal_slot);
     sink.bind_colors(vertex);
     sink.bind_uvs(vertex);
     std::vector<bool> used;
@@ -118,7 +118,7 @@ Result<VertexSink> VertexSink::of(const Element& vertex)
         used.push_back(slot.has_value());
         const Scalar type = vertex.properties[i].type;
         const bool wide = type == Scalar::F64 || type == Scalar::I32 || type == Scalar::U32;
-        if (slot && *slot < normal && wide) { sink.float_positions_ = false; }
+        if (slot && *slot < normal_slot && wide) { sink.float_positions_ = false; }
     }
     if (auto note = skipped_note(vertex, used)) { sink.notes_.push_back(std::move(*note)); }
     return sink;
@@ -155,21 +155,21 @@ std::optional<VertexSink::Refusal> VertexSink::put(Mesh& mesh, std::size_t first
         if (!has_good_position(rows[i])) { return refusal(first + i, i, rows[i]); }
     }
     for (std::size_t i = 0; normals_ && i < rows.size(); ++i) {
-        const Vec3 n{rows[i][normal], rows[i][normal + 1], rows[i][normal + 2]};
+        const Vec3 n{rows[i][normal_slot], rows[i][normal_slot + 1], rows[i][normal_slot + 2]};
         mesh.normals[first + i] = is_finite(n) ? n : Vec3{};
         if (!is_finite(n)) { ++non_finite_; }
     }
     for (std::size_t i = 0; colors_ && i < rows.size(); ++i) {
         for (std::size_t band = 0; band < 3; ++band) {
-            const double value = rows[i][color + band];
+            const double value = rows[i][color_slot + band];
             mesh.colors[first + i][band] = color_table_.empty()
                                                ? finite_or_zero(value)
                                                : color_table_[static_cast<std::size_t>(value)];
         }
     }
     for (std::size_t i = 0; uvs_ && i < rows.size(); ++i) {
-        mesh.uvs[first + i] = {finite_or_zero(rows[i][uv] * uv_scale_),
-                               finite_or_zero(rows[i][uv + 1] * uv_scale_)};
+        mesh.uvs[first + i] = {finite_or_zero(rows[i][uv_slot] * uv_scale_),
+                               finite_or_zero(rows[i][uv_slot + 1] * uv_scale_)};
     }
     return {};
 }

@@ -14,7 +14,7 @@ namespace relight::ply {
 
 /// What we take from a vertex: x y z, nx ny nz, red green blue, u v, at these places.
 using Row = std::array<double, 11>;
-inline constexpr std::size_t position = 0, normal = 3, color = 6, uv = 9;
+inline constexpr std::size_t position_slot = 0, normal_slot = 3, color_slot = 6, uv_slot = 9;
 
 /// For each property its place in a Row; nothing: skipped.
 using Slots = std::vector<std::optional<std::size_t>>;
