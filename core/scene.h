@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -25,6 +26,7 @@ enum class Terminator { None, Smooth };
 
 struct TransportOptions {
     bool shadows = true;
+    std::uint64_t seed = 0;                      ///< of every random number
     bool two_sided = false;                      ///< receivers take light on both faces
     Terminator terminator = Terminator::Smooth;  ///< of points inside triangles (images); a vertex
                                                  ///< is its own tangent plane

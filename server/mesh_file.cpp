@@ -69,6 +69,7 @@ std::string intake_json(const Intake& intake)
         .count("normals_computed", intake.normals_computed)
         .count("normals_opposing", intake.normals_opposing)
         .count("polygons_triangulated", intake.polygons_triangulated)
+        .raw("wound_inward", intake.wound_inward ? "true" : "false")
         .raw("recentring_shift", json_of(intake.recentring_shift))
         .raw("notes", text_array(intake.notes))
         .done();

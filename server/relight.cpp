@@ -151,7 +151,11 @@ Result<Encoded> light_vertices(const RelightRequest& request, Format format, con
     if (progress.stopped()) { return cancelled(); }
     std::size_t clamped = clamp_to_finite(shaded.irradiance) + clamp_to_finite(shaded.radiance);
     for (auto& one : shaded.per_light) { clamped += clamp_to_finite(one); }
-    Encoded encoded{std::string(media_type(format)), {}, transport.rays, {}};
+    Encoded encoded{std::string(media_type(format)),
+                    {},
+                    transport.rays,
+                    {},
+                    warnings_of(stage, scene, clamped, Receivers::Vertices)};
     return timed(timings.encode, [&]() -> Result<Encoded> {
         if (is_image(format)) {
             auto png = encode_preview(stage, scene, shaded.radiance, request.display,
@@ -159,7 +163,7 @@ Result<Encoded> light_vertices(const RelightRequest& request, Format format, con
             if (!png) { return std::move(png).error(); }
             encoded.bytes = std::move(*png);
         } else {
-            const Lit lit{stage, scene, transport, shaded, warnings_of(stage, scene, clamped)};
+            const Lit lit{stage, scene, transport, shaded, encoded.warnings};
             encoded.bytes =
                 encode_mesh(lit, request.display, wanted, format, workshop.threads, progress);
         }
@@ -174,14 +178,18 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
                              Progress& progress)
 {
     const Output& output = request.output;
-    const RaytraceOptions options{
-        output.width,    output.height, output.samples, output.background.value_or(Rgb{}), 0,
-        workshop.threads};
+    const RaytraceOptions options{output.width,         output.height,
+                                  output.samples,       output.background.value_or(Rgb{}),
+                                  scene.transport.seed, workshop.threads};
     Rendered rendered =
         timed(timings.trace, [&] { return raytrace(stage, scene, options, progress); });
     if (progress.stopped()) { return cancelled(); }
-    clamp_to_finite(rendered.image.pixels);
-    Encoded encoded{std::string(media_type(format)), {}, rendered.rays, {}};
+    const std::size_t clamped = clamp_to_finite(rendered.image.pixels);
+    Encoded encoded{std::string(media_type(format)),
+                    {},
+                    rendered.rays,
+                    {},
+                    warnings_of(stage, scene, clamped, Receivers::Pixels)};
     timed(timings.encode, [&] {
         encoded.bytes =
             encode_image(rendered.image, request.display, output, workshop.threads, progress);

@@ -36,6 +36,7 @@ struct Encoded {
     std::string bytes;
     std::uint64_t rays = 0;
     Timings timings;
+    std::vector<std::string> warnings;  ///< for the client; in JSON and PLY they stand inside, too
 };
 
 /// The whole walk: mesh -> Stage -> Transport -> Shaded -> bytes. `format` is decided; `parts` are

@@ -63,7 +63,8 @@ std::optional<Error> check_format(const Output& output, Format format)
     return {};
 }
 
-std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped)
+std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped,
+                                     Receivers receivers)
 {
     std::vector<std::string> warnings;
     const auto dark = [](const Light& light) { return !light.enabled; };
@@ -80,6 +81,12 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
     if (intake.normals_opposing > 0) {
         warnings.push_back(std::to_string(intake.normals_opposing) +
                            " vertices bring normals that point to the back of their faces");
+    }
+    if (intake.wound_inward && receivers == Receivers::Vertices && !scene.transport.two_sided) {
+        warnings.emplace_back(
+            "the faces wind inward, so their lit fronts look into the volume they enclose; for "
+            "light "
+            "on the outside send \"transport\": {\"two_sided\": true}");
     }
     if (clamped > 0) {
         warnings.push_back(std::to_string(clamped) +

@@ -15,7 +15,11 @@ std::optional<Error> check(const RelightRequest& request, Format format, const S
 /// Refuses fields that the answer's format has no place for.
 std::optional<Error> check_format(const Output& output, Format format);
 
+/// Where the light of an answer was asked for: one side of each vertex, or what a camera sees.
+enum class Receivers { Vertices, Pixels };
+
 /// What a reader of the answer should know; `clamped` values were beyond single precision.
-std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped);
+std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped,
+                                     Receivers receivers);
 
 }  // namespace relight

@@ -160,6 +160,11 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
     response.set_header("Content-Type", encoded->media_type);
     response.set_header("Server-Timing", server_timing(encoded->timings));
     response.set_header("Relight-Rays", std::to_string(encoded->rays));
+    std::string warnings;
+    for (const std::string& warning : encoded->warnings) {
+        warnings.append(warnings.empty() ? "" : "; ").append(warning);
+    }
+    if (!warnings.empty()) { response.set_header("Relight-Warnings", warnings); }
 }
 
 }  // namespace

@@ -136,9 +136,11 @@ TransportOptions parse_transport(Fields fields)
     if (!fields.is_null("max_distance")) {
         options.max_distance = fields.number("max_distance", {0.0, 1e15, "length units", true});
     }
-    // Point, spot and directional light need no samples: these change nothing, but must be sound.
+    options.seed =
+        static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
+    // Point, spot and directional light need no samples a vertex: these change nothing, but must be
+    // sound.
     fields.integer("samples", 1, 65536);
-    fields.integer("seed", 0, std::int64_t{1} << 53);
     if (!fields.is_null("target_standard_error")) {
         fields.number("target_standard_error", {0.0, 1e12, {}, true});
     }

@@ -222,6 +222,32 @@ def test_a_png_shows_the_mesh_in_front_of_its_background(server, spot_id, render
     assert clear[0, 0, 3] == 0 and clear[24, 32].tolist() == [*image[24, 32], 255]
 
 
+def test_a_shell_wound_inward_is_reported_and_lit_when_asked_for_on_both_sides(server):
+    cat = (MESHES / "egyptcat.ply").read_bytes()
+    reply = upload(server, cat)
+    assert reply.json()["intake"]["wound_inward"] is True
+    mesh = {"id": reply.json()["id"]}
+    lamp = [{"type": "point", "position": [3, -3, 3], "flux_w": 100}]
+    lit = {}
+    for two_sided in (False, True):
+        request = ask(["radiance"], lamp, mesh, transport={"two_sided": two_sided})
+        reply = relight(server, request)
+        assert ("relight-warnings" in reply.headers) is not two_sided
+        lit[two_sided] = sum(L[0] > 0 for L in reply.json()["radiance"])
+    assert lit[False] < 0.01 * lit[True]
+    picture = ask(["color"], lamp, mesh)
+    picture["output"] = {"format": "png", "width": 64, "height": 64, "samples": 4}
+    reply = relight(server, picture)  # shows what the camera sees
+    assert "relight-warnings" not in reply.headers
+    assert read_png(reply.body).max() > 50
+
+
+def test_the_seed_moves_the_samples_of_a_picture_and_nothing_else_does(server, spot_id):
+    request = {"mesh": {"id": spot_id}, "output": {"format": "png", "width": 64, "height": 64}}
+    pictures = [relight(server, {**request, "transport": {"seed": seed}}).body for seed in (1, 1, 2)]
+    assert pictures[0] == pictures[1] != pictures[2]
+
+
 def test_accept_chooses_where_the_request_names_no_format(server):
     request = {"mesh": MESH, "lights": []}
     for accept, kind in (("*/*", "model/ply"), ("application/json", "application/json"),
