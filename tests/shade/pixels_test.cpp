@@ -134,6 +134,7 @@ TEST(Pixels, AreAveragesOfRadianceOverTheirFootprint)
         // 16 renders of 256 samples: their spread is the standard error of one.
         constexpr int run_count = 16;
         std::vector<Image> runs;
+        runs.reserve(run_count);
         for (int run = 0; run < run_count; ++run) {
             runs.push_back(
                 rendered(stage, scene, c["camera"], 256, static_cast<std::uint64_t>(run)).image);

@@ -27,6 +27,9 @@ Transport traced(const Stage& stage, const Scene& scene, unsigned threads = 2)
     return trace(stage, scene, threads, progress);
 }
 
+/// Of the floor below, which come first.
+constexpr std::size_t grid_vertices = 625;
+
 /// A ball over a floor, lit from above and aside: shadows, back faces, penumbra-free edges.
 Mesh ball_over_floor()
 {
@@ -72,7 +75,7 @@ TEST(Transport, ABallCastsAShadowOnTheFloorAndItsBackIsDark)
     const Transport transport =
         traced(stage, scene_of({light_of(PointLight{{0.1, 0.2, 3.0}, {}})}));
     const Column& column = *transport.columns[0];
-    const std::size_t floor = 25 * 25;
+    const std::size_t floor = grid_vertices;
     for (std::size_t v = 0; v < stage.mesh->positions.size(); ++v) {
         const Point3 p = stage.mesh->positions[v];
         if (v < floor) {  // the cone that touches the ball: tan = 0.4 / sqrt(2.3^2 - 0.4^2)
@@ -292,12 +295,12 @@ TEST(Transport, ACloudOfTheBallCastsTheBallsShadow)
     Mesh cloud = test::joined(test::moved(test::grid(24), test::upright(), 2.0, {}), ball);
     cloud.faces = {};
     for (std::size_t v = 0; v < cloud.positions.size(); ++v) {
-        cloud.normals.push_back(v < 25 * 25 ? Vec3{0, 0, 1}
-                                            : cloud.positions[v] - Point3{0.1, 0.2, 0.7});
+        cloud.normals.push_back(v < grid_vertices ? Vec3{0, 0, 1}
+                                                  : cloud.positions[v] - Point3{0.1, 0.2, 0.7});
     }
     const Transport transport =
         traced(staged(cloud), scene_of({light_of(PointLight{{0.1, 0.2, 3.0}, {}})}));
-    for (std::size_t v = 0; v < 25 * 25; ++v) {
+    for (std::size_t v = 0; v < grid_vertices; ++v) {
         const double from_axis = std::hypot(cloud.positions[v].x - 0.1, cloud.positions[v].y - 0.2);
         if (from_axis < 0.4) { EXPECT_EQ(transport.columns[0]->visible[v], 0) << from_axis; }
         if (from_axis > 0.65) { EXPECT_EQ(transport.columns[0]->visible[v], 1) << from_axis; }
