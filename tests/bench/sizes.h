@@ -16,12 +16,12 @@ namespace relight::bench {
 /// The least is for the smoke test; tests/bench/run measures the others.
 inline void sizes(benchmark::internal::Benchmark* b)
 {
-    b->Unit(benchmark::millisecond)->UseRealTime()->Arg(1'000)->Arg(100'000)->Arg(1'000'000);
+    b->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(1'000)->Arg(100'000)->Arg(1'000'000);
 }
 
 inline void sizes_and_threads(benchmark::internal::Benchmark* b)
 {
-    b->Unit(benchmark::millisecond)->UseRealTime();
+    b->Unit(benchmark::kMillisecond)->UseRealTime();
     b->ArgsProduct({{1'000, 100'000, 1'000'000}, {1, 0}});
 }
 
@@ -38,7 +38,7 @@ inline unsigned threads(const benchmark::State& state)
 inline void rate(benchmark::State& state, const char* unit, std::size_t amount)
 {
     state.counters[unit] = benchmark::Counter(static_cast<double>(amount),
-                                              benchmark::Counter::is_iteration_invariant_rate);
+                                              benchmark::Counter::kIsIterationInvariantRate);
 }
 
 /// The yardstick of readers and writers: memcpy of a file, over a copy that is there already.
