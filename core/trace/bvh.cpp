@@ -66,9 +66,14 @@ struct Bvh::Impl {
 
     RTCGeometry triangles()
     {
-        vertices.reserve(3 * mesh->positions.size() + 1);
-        for (const Point3 p : mesh->positions) { push(to_box(p)); }
-        vertices.push_back(0.0F);
+        vertices.resize(3 * mesh->positions.size() + 1);
+        float* to = vertices.data();
+        for (const Point3 p : mesh->positions) {
+            const Vec3 v = to_box(p);
+            *to++ = static_cast<float>(v.x);
+            *to++ = static_cast<float>(v.y);
+            *to++ = static_cast<float>(v.z);
+        }
         RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
         rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                    vertices.data(), 0, 3 * sizeof(float), mesh->positions.size());
