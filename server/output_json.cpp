@@ -81,7 +81,6 @@ Output parse_output(Fields fields, const ParseLimits& limits)
     if (format == "npz") { output.format = Format::Npz; }
     if (format == "png") { output.format = Format::Png; }
     output.quantities = parse_quantities(fields);
-    output.quantities_given = fields.has("quantities");
     for (const std::string_view name : {"width", "height", "samples", "renderer", "background"}) {
         if (fields.has(name) && !output.image_field) { output.image_field = name; }
     }

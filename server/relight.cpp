@@ -54,8 +54,7 @@ Result<Stage> build_stage(Mesh mesh, double point_radius_scale, unsigned threads
         stage.mesh = std::make_shared<const Mesh>(std::move(mesh));
         stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, threads, progress));
         if (progress.stopped()) { return cancelled(); }
-        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface,
-                                                BvhOptions{point_radius_scale, threads});
+        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, point_radius_scale);
         return stage;
     });
 }

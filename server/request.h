@@ -43,7 +43,6 @@ struct Output {
     std::optional<Rgb> background = Rgb{};  ///< linear radiance; nothing: transparent
     Renderer renderer = Renderer::Raytrace;
     std::optional<std::string> image_field;  ///< the first field given that only images have
-    bool quantities_given = false;
 };
 
 /// What of the camera the request says; the rest frames the mesh.

@@ -8,13 +8,13 @@
 namespace relight::test {
 
 /// A mesh on its stage, ready to be lit.
-inline Stage staged(Mesh mesh, const BvhOptions& options = {})
+inline Stage staged(Mesh mesh)
 {
     Progress progress;
     Stage stage;
     stage.mesh = std::make_shared<const Mesh>(std::move(mesh));
     stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, 1, progress));
-    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, options);
+    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface);
     return stage;
 }
 

@@ -126,14 +126,14 @@ struct Bvh::Impl {
     }
 };
 
-Bvh::Bvh(const Mesh& mesh, const Surface& surface, const BvhOptions& options)
+Bvh::Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale)
     : impl_(std::make_unique<Impl>())
 {
     Impl& b = *impl_;
     b.mesh = &mesh;
     b.surface = &surface;
     b.centre = surface.bounds.centre();
-    b.point_radius_scale = options.point_radius_scale;
+    b.point_radius_scale = point_radius_scale;
     const double half = 0.5 * surface.bounds.diagonal();
     b.scale = half > 0.0 ? std::exp2(-std::ceil(std::log2(half))) : 1.0;
     b.streams = rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_RAY_STREAM_SUPPORTED) != 0;
@@ -182,7 +182,7 @@ void Bvh::occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> bloc
     }
 }
 
-Hit Bvh::nearest(Point3 origin, Dir3 direction, double from) const
+Hit Bvh::nearest(Point3 origin, Dir3 direction) const
 {
     const Impl& b = *impl_;
     Hit hit;
@@ -193,7 +193,7 @@ Hit Bvh::nearest(Point3 origin, Dir3 direction, double from) const
     const Vec3 start = b.to_box(origin + Vec3(direction) * ahead);
     if (!(length(start) < 8.0)) { return hit; }  // passes the model by
     RTCRayHit query{};
-    query.ray = b.ray(start, direction, std::max(0.0, (from - ahead) * b.scale), 16.0);
+    query.ray = b.ray(start, direction, 0.0, 16.0);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);

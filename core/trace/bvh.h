@@ -34,11 +34,6 @@ struct Clearance {
     double from{};
 };
 
-struct BvhOptions {
-    double point_radius_scale = 1.5;  ///< radius of a cloud's discs in units of the local spacing
-    unsigned threads = 0;
-};
-
 /// Embree's acceleration structure over a surface's triangles, or over its points as oriented discs
 /// when it has no triangles. Coordinates are recentred and scaled to the unit box (a power of two)
 /// in double before they become float, so position and size of the model do not matter. Immutable;
@@ -46,7 +41,8 @@ struct BvhOptions {
 /// (Stage).
 class Bvh {
   public:
-    Bvh(const Mesh& mesh, const Surface& surface, const BvhOptions& options);
+    /// @param point_radius_scale radius of a cloud's discs in units of the local spacing
+    Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale = 1.5);
     Bvh(Bvh&&) noexcept;
     Bvh& operator=(Bvh&&) noexcept;
     ~Bvh();
@@ -54,9 +50,8 @@ class Bvh {
     /// blocked[i] = 1 where anything stands in the way of rays[i]. Robust; two-sided occluders.
     void occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> blocked) const;
 
-    /// The nearest thing from origin along direction beyond `from` [scene units]; primitive ~0 if
-    /// none.
-    Hit nearest(Point3 origin, Dir3 direction, double from = 0.0) const;
+    /// The nearest thing from origin along direction; primitive ~0 if none.
+    Hit nearest(Point3 origin, Dir3 direction) const;
 
     /// What a receiver with this spacing keeps clear of, so that it does not shadow itself.
     Clearance clearance(double spacing) const;

@@ -31,7 +31,7 @@ void build_bvh(benchmark::State& state)
 {
     const Stage& stage = terrain_stage(vertices(state));
     while (state.KeepRunning()) {
-        const Bvh bvh(*stage.mesh, *stage.surface, BvhOptions{});
+        const Bvh bvh(*stage.mesh, *stage.surface);
         benchmark::DoNotOptimize(bvh.bytes());
     }
     rate(state, "triangles", stage.surface->triangles.size());

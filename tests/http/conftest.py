@@ -37,6 +37,13 @@ class Server:
     def rss_bytes(self):
         return 1024 * self._status("VmRSS")
 
+    def forget_peak(self):
+        with open(f"/proc/{self.pid}/clear_refs", "w", encoding="ascii") as clear:
+            clear.write("5")  # VmHWM starts again from now
+
+    def peak_bytes(self):
+        return 1024 * self._status("VmHWM")
+
     def threads(self):
         return self._status("Threads")
 

@@ -18,7 +18,7 @@ Result<Stage> triangle()
     Stage stage;
     stage.mesh = std::make_shared<const Mesh>(mesh);
     stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, 1, progress));
-    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, BvhOptions{});
+    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface);
     return stage;
 }
 

@@ -16,10 +16,7 @@ struct Model {
     Surface surface;
     Bvh bvh;
 
-    explicit Model(Mesh m)
-        : mesh(std::move(m)), surface(prepared(mesh)), bvh(mesh, surface, BvhOptions{})
-    {
-    }
+    explicit Model(Mesh m) : mesh(std::move(m)), surface(prepared(mesh)), bvh(mesh, surface) {}
     static Surface prepared(const Mesh& mesh)
     {
         Progress progress;
