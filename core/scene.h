@@ -26,6 +26,10 @@ enum class Terminator { None, Smooth };
 
 struct TransportOptions {
     bool shadows = true;
+    unsigned samples = 64;  ///< a vertex and sampled light; with a target: at most
+    /// Each vertex stops when the standard error of its E is this small [W/m^2 or lx].
+    std::optional<double> target_standard_error;
+    unsigned bounces = 0;                        ///< of diffuse interreflection
     std::uint64_t seed = 0;                      ///< of every random number
     bool two_sided = false;                      ///< receivers take light on both faces
     Terminator terminator = Terminator::Smooth;  ///< of points inside triangles (images); a vertex
@@ -38,7 +42,9 @@ struct Scene {
     Units units = Units::Radiometric;
     double length_unit_m = 1.0;  ///< metres in one length unit of the file
     std::vector<Light> lights;
-    Material material = Lambert{};
+    std::vector<Material> materials{Lambert{}};  ///< at least one; the first is for all the rest
+    /// Mesh::materials' index -> index into `materials`; empty: the first for all.
+    std::vector<std::uint32_t> material_of_group;
     View view = NormalView{};
     Camera camera;
     TransportOptions transport;

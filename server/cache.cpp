@@ -19,10 +19,16 @@ std::uint64_t bytes_of(const Stage& stage)
            bytes_of(mesh.normals) + bytes_of(mesh.colors) + bytes_of(mesh.uvs) +
            bytes_of(mesh.corner_uvs) + bytes_of(mesh.face_materials) + bytes_of(surface.triangles) +
            bytes_of(surface.triangle_face) + bytes_of(surface.normals) + bytes_of(surface.spacing) +
-           stage.bvh->bytes();
+           bytes_of(surface.tangents) + stage.bvh->bytes();
 }
 
-std::shared_ptr<StageCache::Slot> StageCache::slot_of(const std::string& key)
+std::uint64_t bytes_of(const SharedMap& map)
+{
+    return map->bytes();
+}
+
+template <class Value>
+std::shared_ptr<typename Cache<Value>::Slot> Cache<Value>::slot_of(const std::string& key)
 {
     const std::lock_guard lock(mutex_);
     auto& slot = slots_[key];
@@ -35,7 +41,8 @@ std::shared_ptr<StageCache::Slot> StageCache::slot_of(const std::string& key)
     return slot;
 }
 
-void StageCache::erase(std::map<std::string, std::shared_ptr<Slot>, std::less<>>::iterator at)
+template <class Value>
+void Cache<Value>::erase(typename Slots::iterator at)
 {
     bytes_ -= at->second->bytes;
     recent_.erase(at->second->place);
@@ -43,38 +50,41 @@ void StageCache::erase(std::map<std::string, std::shared_ptr<Slot>, std::less<>>
 }
 
 /// Accounts for what has been built (or not), and lets the least recently used go.
-void StageCache::settle(const std::string& key, const std::shared_ptr<Slot>& slot)
+template <class Value>
+void Cache<Value>::settle(const std::string& key, const std::shared_ptr<Slot>& slot)
 {
     const std::lock_guard lock(mutex_);
     const auto own = slots_.find(key);
     if (own == slots_.end() || own->second != slot) { return; }  // forgotten meanwhile
-    if (!slot->stage) {
+    if (!slot->value) {
         erase(own);
         return;
     }
-    slot->bytes = bytes_of(*slot->stage);
+    slot->bytes = bytes_of(*slot->value);
     bytes_ += slot->bytes;
     while (bytes_ > most_ && !recent_.empty()) { erase(slots_.find(recent_.back())); }
 }
 
-Result<Stage> StageCache::stage(const std::string& key, const std::function<Result<Stage>()>& build)
+template <class Value>
+Result<Value> Cache<Value>::get(const std::string& key, const std::function<Result<Value>()>& build)
 {
     const auto slot = slot_of(key);
     const std::lock_guard building(slot->building);
-    if (slot->stage) { return *slot->stage; }
+    if (slot->value) { return *slot->value; }
     struct Settle {  // also when `build` throws
-        StageCache& cache;
+        Cache& cache;
         const std::string& key;
         const std::shared_ptr<Slot>& slot;
         ~Settle() { cache.settle(key, slot); }
     };
     const Settle settle{*this, key, slot};
     auto built = build();
-    if (built) { slot->stage = *built; }
+    if (built) { slot->value = *built; }
     return built;
 }
 
-void StageCache::forget(std::string_view prefix)
+template <class Value>
+void Cache<Value>::forget(std::string_view prefix)
 {
     const std::lock_guard lock(mutex_);
     for (auto at = slots_.lower_bound(prefix);
@@ -83,10 +93,14 @@ void StageCache::forget(std::string_view prefix)
     }
 }
 
-std::uint64_t StageCache::bytes() const
+template <class Value>
+std::uint64_t Cache<Value>::bytes() const
 {
     const std::lock_guard lock(mutex_);
     return bytes_;
 }
+
+template class Cache<Stage>;
+template class Cache<SharedMap>;
 
 }  // namespace relight

@@ -6,24 +6,33 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/base/result.h"
+#include "core/light/environment.h"
 #include "core/trace/stage.h"
 
 namespace relight {
 
-/// Stages by what they depend on, kept as long as `bytes` allow, the least recently used leaving
+using SharedMap = std::shared_ptr<const EnvironmentMap>;
+
+/// Memory that a value holds.
+std::uint64_t bytes_of(const Stage& stage);
+std::uint64_t bytes_of(const SharedMap& map);
+
+/// Values by what they depend on, kept as long as `bytes` allow, the least recently used leaving
 /// first. Who asks for one that is being built waits for it. Any thread may call.
-class StageCache {
+template <class Value>
+class Cache {
   public:
-    explicit StageCache(std::uint64_t bytes) : most_(bytes) {}
+    explicit Cache(std::uint64_t bytes) : most_(bytes) {}
 
-    /// The stage of `key`, built by `build` if it is not held. A build that fails is not kept.
-    Result<Stage> stage(const std::string& key, const std::function<Result<Stage>()>& build);
+    /// The value of `key`, built by `build` if it is not held. A build that fails is not kept.
+    Result<Value> get(const std::string& key, const std::function<Result<Value>()>& build);
 
-    /// Forgets every stage whose key starts with `prefix`.
+    /// Forgets every value whose key starts with `prefix`.
     void forget(std::string_view prefix);
 
     std::uint64_t bytes() const;  ///< held now
@@ -31,22 +40,23 @@ class StageCache {
   private:
     struct Slot {
         std::mutex building;
-        std::optional<Stage> stage;  // guarded by `building`
+        std::optional<Value> value;  // guarded by `building`
         std::uint64_t bytes = 0;     // these two by the cache's mutex
         std::list<std::string>::iterator place;
     };
+    using Slots = std::map<std::string, std::shared_ptr<Slot>, std::less<>>;
     std::shared_ptr<Slot> slot_of(const std::string& key);
     void settle(const std::string& key, const std::shared_ptr<Slot>& slot);
-    void erase(std::map<std::string, std::shared_ptr<Slot>, std::less<>>::iterator at);
+    void erase(typename Slots::iterator at);
 
     std::uint64_t most_;
     mutable std::mutex mutex_;
-    std::map<std::string, std::shared_ptr<Slot>, std::less<>> slots_;
+    Slots slots_;
     std::list<std::string> recent_;  // keys, most recent first
     std::uint64_t bytes_ = 0;
 };
 
-/// Memory a stage holds.
-std::uint64_t bytes_of(const Stage& stage);
+using StageCache = Cache<Stage>;
+using SkyCache = Cache<SharedMap>;
 
 }  // namespace relight

@@ -34,6 +34,8 @@ std::string_view tone_map_name(ToneMap map)
     return "none";
 }
 
+constexpr std::size_t sh_coefficients = 9;  // a vertex
+
 struct UnitNames {
     std::string_view irradiance, radiance;
 };
@@ -67,22 +69,9 @@ std::vector<std::vector<float>> visibilities(const Transport& transport)
     std::vector<std::vector<float>> all;
     for (const auto& column : transport.columns) {
         auto& one = all.emplace_back();
-        if (column != nullptr) { one.assign(column->visible.begin(), column->visible.end()); }
+        if (column != nullptr) { one = column->visible; }
     }
     return all;
-}
-
-std::string view_json(const Scene& scene)
-{
-    ObjectWriter json;
-    if (std::holds_alternative<CameraView>(scene.view)) {
-        json.text("type", "camera").raw("eye", json_of(scene.camera.eye - Point3{}));
-    } else if (const auto* direction = std::get_if<DirectionView>(&scene.view)) {
-        json.text("type", "direction").raw("toward_viewer", json_of(direction->toward_viewer));
-    } else {
-        json.text("type", "normal");
-    }
-    return json.done();
 }
 
 std::string display_json(const Display& display)
@@ -122,6 +111,14 @@ std::string normals_json(std::span<const Dir3> normals)
     return array_json(values, 3);
 }
 
+/// Rows of `width` values, column by column.
+std::vector<std::vector<float>> columns_of(std::span<const float> rows, std::size_t width)
+{
+    std::vector<std::vector<float>> columns(width, std::vector<float>(rows.size() / width));
+    for (std::size_t i = 0; i < rows.size(); ++i) { columns[i % width][i / width] = rows[i]; }
+    return columns;
+}
+
 std::string json_answer(const Lit& lit, const Display& display, const Quantities& wanted,
                         std::span<const Rgb8> color)
 {
@@ -135,6 +132,9 @@ std::string json_answer(const Lit& lit, const Display& display, const Quantities
     if (wanted.color) { names.text("color", "sRGB 8-bit"); }
     if (wanted.visibility) { names.text("visibility", "1"); }
     if (wanted.normal) { names.text("normal", "1"); }
+    if (wanted.ambient_occlusion) { names.text("ambient_occlusion", "1"); }
+    if (wanted.standard_error) { names.text("standard_error", units.irradiance); }
+    if (wanted.sh) { names.text("sh", "sr"); }
     json.count("vertices", lit.stage.mesh->positions.size()).raw("units", names.done());
     json.raw("view", view_json(lit.scene));
     if (wanted.color) {
@@ -143,6 +143,15 @@ std::string json_answer(const Lit& lit, const Display& display, const Quantities
     if (wanted.irradiance) { json.raw("irradiance", array_json(floats(lit.shaded.irradiance), 3)); }
     if (wanted.radiance) { json.raw("radiance", array_json(floats(lit.shaded.radiance), 3)); }
     if (wanted.normal) { json.raw("normal", normals_json(lit.stage.surface->normals)); }
+    if (wanted.ambient_occlusion) {
+        json.raw("ambient_occlusion", array_json(lit.transport.ambient_occlusion, 1));
+    }
+    if (wanted.standard_error) {
+        json.raw("standard_error", array_json(floats(lit.shaded.standard_error), 3));
+    }
+    if (wanted.sh) {
+        json.raw("sh", array_json(lit.transport.sh, static_cast<int>(sh_coefficients)));
+    }
     if (wanted.visibility) {
         const auto all = visibilities(lit.transport);
         ObjectWriter each;
@@ -158,12 +167,7 @@ std::string json_answer(const Lit& lit, const Display& display, const Quantities
         }
         json.raw("per_light", each.done());
     }
-    std::string warnings = "[";
-    for (const std::string& warning : lit.warnings) {
-        if (warnings.size() > 1) { warnings += ','; }
-        append_quoted(warnings, warning);
-    }
-    return json.raw("warnings", warnings + "]").done();
+    return json.raw("warnings", text_array(lit.warnings)).done();
 }
 
 std::string file_answer(const Lit& lit, const Display& display, const Quantities& wanted,
@@ -184,6 +188,22 @@ std::string file_answer(const Lit& lit, const Display& display, const Quantities
     if (wanted.radiance) {
         out.quantities.push_back({"radiance", 3, floats(lit.shaded.radiance)});
         out.comments.push_back("radiance in " + std::string(units.radiance));
+    }
+    if (wanted.ambient_occlusion) {
+        out.quantities.push_back({"ambient_occlusion", 1, lit.transport.ambient_occlusion});
+    }
+    if (wanted.standard_error) {
+        out.quantities.push_back({"standard_error", 3, floats(lit.shaded.standard_error)});
+        out.comments.push_back("standard_error of the irradiance, same unit");
+    }
+    const auto coefficients = wanted.sh && format != Format::Npz
+                                  ? columns_of(lit.transport.sh, sh_coefficients)
+                                  : std::vector<std::vector<float>>{};
+    for (std::size_t k = 0; k < coefficients.size(); ++k) {
+        out.quantities.push_back({"sh_" + std::to_string(k), 1, coefficients[k]});
+    }
+    if (wanted.sh && format == Format::Npz) {
+        out.quantities.push_back({"sh", static_cast<int>(sh_coefficients), lit.transport.sh});
     }
     for (std::size_t l = 0; l < visible.size(); ++l) {
         if (!visible[l].empty()) {
@@ -217,6 +237,47 @@ Rgbf straight(Rgbf mixed, float coverage)
 
 }  // namespace
 
+std::string units_json(Units units)
+{
+    const UnitNames names = unit_names(units);
+    return ObjectWriter()
+        .text("irradiance", names.irradiance)
+        .text("radiance", names.radiance)
+        .done();
+}
+
+std::string view_json(const Scene& scene)
+{
+    ObjectWriter json;
+    if (std::holds_alternative<CameraView>(scene.view)) {
+        json.text("type", "camera").raw("eye", json_of(scene.camera.eye - Point3{}));
+    } else if (const auto* direction = std::get_if<DirectionView>(&scene.view)) {
+        json.text("type", "direction").raw("toward_viewer", json_of(direction->toward_viewer));
+    } else {
+        json.text("type", "normal");
+    }
+    return json.done();
+}
+
+std::string encode_layers(const Rendered& rendered, const Scene& scene, const Output& output,
+                          const std::vector<std::string>& warnings)
+{
+    const Image& image = rendered.image;
+    std::vector<ExrLayer> layers{{"", 3, floats(image.pixels)}, {"A", 1, image.coverage}};
+    if (output.quantities.standard_error) {
+        layers.push_back({"standard_error", 3, floats(rendered.standard_error)});
+    }
+    if (output.quantities.normal) { layers.push_back({"normal", 3, floats(rendered.normal)}); }
+    const auto names = property_names(scene.lights);
+    for (std::size_t l = 0; l < rendered.per_light.size(); ++l) {
+        layers.push_back({"per_light_" + names[l], 3, floats(rendered.per_light[l])});
+    }
+    std::vector<std::string> comments{"radiance in " +
+                                      std::string(unit_names(scene.units).radiance)};
+    for (const std::string& warning : warnings) { comments.push_back("warning: " + warning); }
+    return write_exr(image.width, image.height, layers, comments);
+}
+
 std::string encode_mesh(const Lit& lit, Display display, const Quantities& wanted, Format format,
                         unsigned threads, Progress& progress)
 {
@@ -239,7 +300,7 @@ std::string encode_image(const Image& image, Display display, const Output& outp
         }
         display.exposure_ev = auto_exposure_ev(seen);
     }
-    if (output.background) {
+    if (!output.transparent) {
         return write_png(image.width, image.height,
                          to_srgb8(image.pixels, display, threads, progress));
     }
@@ -265,7 +326,7 @@ Result<std::string> encode_preview(const Stage& stage, const Scene& scene,
     options.background = to_srgb8(output.background.value_or(Rgb{}), display);
     auto picture = preview(*stage.mesh, *stage.surface, colors, scene.camera, options, progress);
     if (!picture) { return std::move(picture).error(); }
-    if (output.background) { return write_png(picture->width, picture->height, picture->pixels); }
+    if (!output.transparent) { return write_png(picture->width, picture->height, picture->pixels); }
     for (std::size_t i = 0; i < picture->pixels.size(); ++i) {
         const int alpha = picture->alpha[i];
         if (alpha == 0) { continue; }

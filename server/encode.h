@@ -24,6 +24,15 @@ struct Lit {
 std::string encode_mesh(const Lit& lit, Display display, const Quantities& wanted, Format format,
                         unsigned threads, Progress& progress);
 
+/// "units" and "view" of JSON answers.
+std::string units_json(Units units);
+std::string view_json(const Scene& scene);
+
+/// A ray-traced picture as EXR: its radiance (R G B), coverage (A), and a layer for each quantity
+/// asked for: standard_error, normal, and per_light_<name> for each light.
+std::string encode_layers(const Rendered& rendered, const Scene& scene, const Output& output,
+                          const std::vector<std::string>& warnings);
+
 /// A ray-traced picture as PNG.
 std::string encode_image(const Image& image, Display display, const Output& output,
                          unsigned threads, Progress& progress);

@@ -96,6 +96,16 @@ std::string json_of(Vec3 v)
     return "[" + decimal(v.x) + "," + decimal(v.y) + "," + decimal(v.z) + "]";
 }
 
+std::string text_array(const std::vector<std::string>& texts)
+{
+    std::string json = "[";
+    for (const std::string& text : texts) {
+        if (json.size() > 1) { json += ','; }
+        append_quoted(json, text);
+    }
+    return json + "]";
+}
+
 std::string printable(std::string_view text, std::size_t longest)
 {
     std::string out(text.substr(0, longest));

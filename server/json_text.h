@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/vec.h"
 
@@ -18,6 +19,9 @@ std::string decimal(double value);
 
 /// "[x,y,z]"
 std::string json_of(Vec3 v);
+
+/// ["…",…]
+std::string text_array(const std::vector<std::string>& texts);
 
 /// Text of a client's for a message: printable ASCII, the rest as '?', cut after `longest`.
 std::string printable(std::string_view text, std::size_t longest = 64);

@@ -32,7 +32,7 @@ struct JsonMember {
 };
 
 inline constexpr std::size_t json_depth = 32;
-inline constexpr std::size_t json_members = 256;     ///< of one object
+inline constexpr std::size_t json_members = 1024;    ///< of one object; so many "materials", too
 inline constexpr std::size_t json_values = 200'000;  ///< of the tree; inline arrays are not in it
 
 /// "/mesh/positions", "/mesh/faces", "/mesh/normals", "/mesh/colors": rows of three numbers each,

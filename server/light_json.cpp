@@ -4,27 +4,18 @@
 #include <numbers>
 #include <span>
 
+#include "core/light/temperature.h"
 #include "server/json_text.h"
+#include "server/light_shape_json.h"
 
 namespace relight {
 namespace {
 
 constexpr double largest_power = 1e12;  // keeps E finite in single precision down to a micrometre
-constexpr double degree = std::numbers::pi / 180.0;
+/// Of a flux over a small area: times the greatest color and efficacy, pi L is still a float.
+constexpr double largest_radiance = 1e24;
 constexpr std::size_t longest_name = 64;
-
-/// One of the fields that say how strong a light is.
-struct PowerField {
-    std::string_view name, unit;
-    Units units;
-    bool is_flux;
-};
-constexpr PowerField point_powers[] = {{"flux_w", "W", Units::Radiometric, true},
-                                       {"flux_lm", "lm", Units::Photometric, true},
-                                       {"intensity_w_sr", "W/sr", Units::Radiometric, false},
-                                       {"intensity_cd", "cd", Units::Photometric, false}};
-constexpr PowerField directional_powers[] = {{"irradiance_w_m2", "W/m2", Units::Radiometric, false},
-                                             {"illuminance_lx", "lx", Units::Photometric, false}};
+constexpr std::size_t most_skies = 24;  // a day's hours; each is a table of megabytes
 
 std::string names_of(std::span<const PowerField> allowed)
 {
@@ -57,10 +48,138 @@ Power parse_power(Fields& fields, std::span<const PowerField> allowed)
     return power;
 }
 
+/// Surface that shines [scene units squared]: of both sides, if both do.
+double emitting_area(const LightShape& shape)
+{
+    if (const auto* rect = std::get_if<RectLight>(&shape)) {
+        return area(*rect) * (rect->two_sided ? 2.0 : 1.0);
+    }
+    if (const auto* disk = std::get_if<DiskLight>(&shape)) { return area(*disk); }
+    if (const auto* sphere = std::get_if<SphereLight>(&shape)) { return area(*sphere); }
+    return 0.0;
+}
+
+/// The shape's power of one unit of flux: I of a point or spot; L = Phi / (pi A) of a Lambertian
+/// emitter.   Contract section 1
+double power_of_flux(const LightShape& shape, double length_unit_m)
+{
+    const RadiantFlux one{Rgb::grey(1.0)};
+    if (const auto* point = std::get_if<PointLight>(&shape)) {
+        return intensity_of_flux(*point, one).value.r;
+    }
+    if (const auto* spot = std::get_if<SpotLight>(&shape)) {
+        return intensity_of_flux(*spot, one).value.r;
+    }
+    return 1.0 / (std::numbers::pi * emitting_area(shape) * length_unit_m * length_unit_m);
+}
+
+/// `power` as what the shape counts in.
+double unit_power(const LightShape& shape, const Power& power, double length_unit_m, Fields& fields)
+{
+    if (power.field == nullptr || !power.field->is_flux || fields.errors()) { return power.value; }
+    const double value = power.value * power_of_flux(shape, length_unit_m);
+    if (!(value <= largest_radiance)) {  // also infinite, and 0 W over no area
+        fields.fail(Fault::OutOfRange, power.field->name,
+                    "found " + decimal(power.value) + " " + std::string(power.field->unit) +
+                        " over an area of " +
+                        decimal(emitting_area(shape) * length_unit_m * length_unit_m) +
+                        " m2: its radiance has no bound. Give the light an area, or its radiance "
+                        "instead of a flux, or make it a point light");
+        return 0.0;
+    }
+    return value;
+}
+
 bool is_name(std::string_view name)
 {
     return std::none_of(name.begin(), name.end(),
                         [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
+}
+
+/// "color" or "temperature_k"; white if none is given.
+Rgb parse_color(Fields& fields)
+{
+    const auto color = fields.color("color", {0.0, 1e6, {}});
+    const auto kelvin =
+        fields.number("temperature_k", {least_temperature_k, largest_temperature_k, "K"});
+    if (fields.has("color") && fields.has("temperature_k")) {
+        fields.fail(Fault::ConflictingFields, "temperature_k",
+                    "\"color\" is given too; a light has one or the other");
+    }
+    return kelvin ? blackbody(*kelvin) : color.value_or(Rgb::grey(1.0));
+}
+
+struct ParsedLight {
+    Light light;
+    const PowerField* unit = nullptr;  // null: it has none of its own
+    std::optional<LightFile> file;
+    std::optional<ClearSky> sky;
+};
+
+ParsedLight parse_light(const Json& json, const std::string& pointer, double length_unit_m,
+                        FirstError& errors)
+{
+    Fields fields(json, pointer, "a light", errors);
+    const auto type = fields.choice("type", {"point", "spot", "directional", "rect", "disk",
+                                             "sphere", "ies", "environment", "sky", "from_mesh"});
+    if (!type) {  // which other fields there are depends on it
+        if (!fields.has("type")) {
+            fields.fail(Fault::MissingField, "type",
+                        "a light needs \"type\": point, spot, directional, rect, disk, sphere, "
+                        "ies, environment, sky or from_mesh");
+        }
+        return {};
+    }
+    Fields own(json, pointer, "a light of type \"" + *type + "\"", errors);
+    own.find("type");
+    ParsedShape parsed = parse_shape(*type, own);
+    const Power power = parse_power(own, parsed.powers);
+    ParsedLight result;
+    Light& light = result.light;
+    light.name = own.text("name", longest_name).value_or("");
+    if (!is_name(light.name)) {
+        own.fail(Fault::UnknownValue, "name",
+                 "found a control character; a name is printable text");
+    }
+    const Rgb color = parse_color(own);
+    light.enabled = own.flag("enabled").value_or(true);
+    light.cast_shadows = own.flag("cast_shadows").value_or(true);
+    own.finish();
+    if (!parsed.powers.empty() && power.field == nullptr) {
+        errors.report(make_error(Fault::MissingField,
+                                 "a light of type \"" + *type +
+                                     "\" needs exactly one of: " + names_of(parsed.powers) +
+                                     (*type == "environment" ? "; or an image" : ""),
+                                 pointer));
+        return result;
+    }
+    light.power =
+        color * (parsed.powers.empty() ? parsed.scale
+                                       : unit_power(parsed.shape, power, length_unit_m, own));
+    light.shape = std::move(parsed.shape);
+    result.unit = parsed.powers.empty() ? parsed.implied : power.field;
+    result.sky = parsed.sky;
+    if (parsed.file) {
+        result.file = {0, std::move(*parsed.file), own.pointer_to(parsed.file_field)};
+    }
+    return result;
+}
+
+/// The file's own lights stand once.
+void refuse_second_mesh_light(const std::vector<Light>& lights, FirstError& errors)
+{
+    std::optional<std::size_t> from_mesh;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (!std::holds_alternative<MeshLight>(lights[i].shape)) { continue; }
+        if (from_mesh) {
+            errors.report(
+                make_error(Fault::ConflictingFields,
+                           "light " + std::to_string(*from_mesh) +
+                               " is \"from_mesh\" too; the file's own lights are asked for once",
+                           "/lights" + pointer_step(i) + "/type"));
+        }
+        from_mesh = i;
+    }
 }
 
 /// Names tell lights apart in the answer: given ones are unique, others are light_<place>.
@@ -81,128 +200,60 @@ void name_lights(std::vector<Light>& lights, FirstError& errors)
     }
 }
 
-struct ParsedLight {
-    Light light;
-    Power power;
-};
-
-PointLight parse_point(Fields& fields)
+/// What a light with a unit of its own brings into the request.
+std::string described(const PowerField& field)
 {
-    fields.need({"position"});
-    return {fields.point("position").value_or(Point3{}), {}};
-}
-
-SpotLight parse_spot(Fields& fields)
-{
-    fields.need({"position", "direction"});
-    SpotLight spot;
-    spot.position = fields.point("position").value_or(Point3{});
-    spot.axis = fields.direction("direction").value_or(Dir3{});
-    const double outer = fields.number("outer_cone_deg", {0, 90, "degrees", true}).value_or(45.0);
-    const double inner = fields.number("inner_cone_deg", {0, 90, "degrees"}).value_or(0.0);
-    if (inner > outer) {
-        fields.fail(Fault::OutOfRange, "inner_cone_deg",
-                    "found " + decimal(inner) + "; at most outer_cone_deg, which is " +
-                        decimal(outer) + " degrees");
-    }
-    spot.inner_cone = inner * degree;
-    spot.outer_cone = outer * degree;
-    return spot;
-}
-
-DirectionalLight parse_directional(Fields& fields)
-{
-    fields.need({"direction"});
-    if (fields.number("angle_deg", {0, 90, "degrees"}).value_or(0.0) != 0.0) {
-        fields.fail(Fault::NotAvailable, "angle_deg",
-                    "suns with an angular size are not in this build; 0 (a hard shadow) is");
-    }
-    return {fields.direction("direction").value_or(Dir3{})};
-}
-
-ParsedLight parse_light(const Json& json, const std::string& pointer, FirstError& errors)
-{
-    Fields fields(json, pointer, "a light", errors);
-    const auto type =
-        fields.choice("type", {"point", "spot", "directional"},
-                      {"rect", "disk", "sphere", "ies", "environment", "sky", "from_mesh"});
-    ParsedLight parsed;
-    if (!type) {  // which other fields there are depends on it
-        if (!fields.has("type")) {
-            fields.fail(Fault::MissingField, "type",
-                        "a light needs \"type\": point, spot or directional");
-        }
-        return parsed;
-    }
-    Fields own(json, pointer, "a " + *type + " light", errors);
-    own.find("type");
-    const std::span<const PowerField> allowed =
-        *type == "directional" ? std::span<const PowerField>(directional_powers)
-                               : std::span<const PowerField>(point_powers);
-    if (*type == "point") {
-        parsed.light.shape = parse_point(own);
-    } else if (*type == "spot") {
-        parsed.light.shape = parse_spot(own);
-    } else {
-        parsed.light.shape = parse_directional(own);
-    }
-    parsed.power = parse_power(own, allowed);
-    parsed.light.name = own.text("name", longest_name).value_or("");
-    if (!is_name(parsed.light.name)) {
-        own.fail(Fault::UnknownValue, "name",
-                 "found a control character; a name is printable text");
-    }
-    own.not_yet({"temperature_k"}, "it has \"color\": [r,g,b]");
-    const Rgb color = own.color("color", {0.0, 1e6, {}}).value_or(Rgb::grey(1.0));
-    parsed.light.enabled = own.flag("enabled").value_or(true);
-    parsed.light.cast_shadows = own.flag("cast_shadows").value_or(true);
-    own.finish();
-    if (parsed.power.field == nullptr) {
-        errors.report(make_error(Fault::MissingField,
-                                 "a " + *type + " light needs exactly one of: " + names_of(allowed),
-                                 pointer));
-        return parsed;
-    }
-    RadiantFlux given{color * parsed.power.value};
-    if (parsed.power.field->is_flux) {
-        if (const auto* point = std::get_if<PointLight>(&parsed.light.shape)) {
-            given.value = intensity_of_flux(*point, given).value;
-        } else if (const auto* spot = std::get_if<SpotLight>(&parsed.light.shape)) {
-            given.value = intensity_of_flux(*spot, given).value;
-        }
-    }
-    parsed.light.power = given.value;
-    return parsed;
+    return "\"" + std::string(field.name) + "\" (" + std::string(field.unit) + ")";
 }
 
 }  // namespace
 
 ParsedLights parse_lights(const JsonArray& lights, std::optional<double> efficacy,
-                          FirstError& errors)
+                          double length_unit_m, FirstError& errors)
 {
     ParsedLights parsed;
-    if (efficacy) { parsed.units = Units::Photometric; }
     const PowerField* first = nullptr;  // that set the units
+    bool from_mesh = false;             // glTF's: photometric unless another light says otherwise
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const std::string pointer = "/lights" + pointer_step(i);
-        ParsedLight light = parse_light(lights[i], pointer, errors);
-        const PowerField* field = light.power.field;
-        if (field != nullptr && efficacy && field->units == Units::Radiometric) {
+        ParsedLight light = parse_light(lights[i], pointer, length_unit_m, errors);
+        const PowerField* unit = light.unit;
+        if (unit != nullptr && efficacy && unit->units == Units::Radiometric) {
             light.light.power = light.light.power * *efficacy;
-        } else if (field != nullptr && !efficacy) {
-            if (first == nullptr) { first = field; }
-            if (field->units != first->units) {
-                errors.report(make_error(
-                    Fault::MixedUnits,
-                    "\"" + std::string(field->name) + "\" beside \"" + std::string(first->name) +
-                        "\": a request is wholly in watts or wholly in lumens; "
-                        "\"luminous_efficacy_lm_w\" converts the watts",
-                    pointer + "/" + std::string(field->name)));
+        } else if (unit != nullptr && !efficacy) {
+            if (first == nullptr) { first = unit; }
+            if (unit->units != first->units) {
+                errors.report(make_error(Fault::MixedUnits,
+                                         described(*unit) + " beside " + described(*first) +
+                                             ": a request is wholly in watts or wholly in lumens; "
+                                             "\"luminous_efficacy_lm_w\" converts the watts",
+                                         pointer + "/" + std::string(unit->name)));
             }
-            parsed.units = first->units;
+        }
+        if (light.sky) {
+            light.sky->light = i;
+            parsed.skies.push_back(*light.sky);
+            if (parsed.skies.size() > most_skies) {
+                errors.report(make_error(Fault::OutOfRange,
+                                         "found one sky more; at most " +
+                                             std::to_string(most_skies) +
+                                             " of a request's lights are skies",
+                                         pointer + "/type"));
+            }
+        }
+        from_mesh = from_mesh || std::holds_alternative<MeshLight>(light.light.shape);
+        if (light.file) {
+            light.file->light = i;
+            parsed.files.push_back(std::move(*light.file));
         }
         parsed.lights.push_back(std::move(light.light));
     }
+    if (efficacy || (first == nullptr && from_mesh)) {
+        parsed.units = Units::Photometric;
+    } else if (first != nullptr) {
+        parsed.units = first->units;
+    }
+    refuse_second_mesh_light(parsed.lights, errors);
     name_lights(parsed.lights, errors);
     return parsed;
 }

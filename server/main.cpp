@@ -53,11 +53,15 @@ int serve(const Options& options)
     ::signal(SIGPIPE, SIG_IGN);
 
     Log log(options.log_json);
-    Store store(options.store);
-    StageCache cache(options.memory);
+    const std::filesystem::path folder(options.store);
+    Store meshes(folder);
+    Store environments(folder / "environments");
+    Store profiles(folder / "profiles");
+    StageCache stages(options.memory);
+    SkyCache skies(options.memory / 4);
     ComputePool pool(options.workers, options.queue);
     ByteBudget arriving(options.max_inflight_bytes);
-    ServerState state{options, store, cache, pool, arriving, log};
+    ServerState state{options, meshes, environments, profiles, stages, skies, pool, arriving, log};
     GuardedServer server(options.guard, [](int status, Fault fault, const std::string& detail) {
         return problem_json({fault, detail + std::string(limits_behind(fault)), {}, {}, {}},
                             status);

@@ -46,16 +46,6 @@ Error not_available(std::string_view kind)
                                                std::string(readable_formats));
 }
 
-std::string text_array(const std::vector<std::string>& texts)
-{
-    std::string json = "[";
-    for (const std::string& text : texts) {
-        if (json.size() > 1) { json += ','; }
-        append_quoted(json, text);
-    }
-    return json + "]";
-}
-
 std::string intake_json(const Intake& intake)
 {
     return ObjectWriter()

@@ -67,7 +67,8 @@ std::vector<Accepted> accept_list(std::string_view header)
 constexpr std::pair<Format, std::string_view> media_types[] = {
     {Format::Ply, "model/ply"},         {Format::Ply, "application/octet-stream"},
     {Format::Json, "application/json"}, {Format::Npz, "application/x-npz"},
-    {Format::Png, "image/png"},         {Format::Npz, "application/zip"}};
+    {Format::Png, "image/png"},         {Format::Exr, "image/x-exr"},
+    {Format::Npz, "application/zip"}};
 
 bool matches(std::string_view range, std::string_view type)
 {

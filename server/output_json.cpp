@@ -1,9 +1,22 @@
 #include "server/output_json.h"
 
+#include <algorithm>
+
 namespace relight {
 namespace {
 
 constexpr int largest_image = 8192;  // pixels, each way
+
+constexpr std::pair<std::string_view, bool Quantities::*> quantities[] = {
+    {"color", &Quantities::color},
+    {"irradiance", &Quantities::irradiance},
+    {"radiance", &Quantities::radiance},
+    {"ambient_occlusion", &Quantities::ambient_occlusion},
+    {"visibility", &Quantities::visibility},
+    {"normal", &Quantities::normal},
+    {"standard_error", &Quantities::standard_error},
+    {"per_light", &Quantities::per_light},
+    {"sh", &Quantities::sh}};
 
 Quantities parse_quantities(Fields& output)
 {
@@ -22,16 +35,13 @@ Quantities parse_quantities(Fields& output)
         const std::string place = std::to_string(i);
         const Json item{JsonObject{{place, (*names)[i]}}};
         Fields one(item, output.pointer_to("quantities"), "a quantity", output.errors());
-        const auto name = one.choice(
-            place, {"color", "irradiance", "radiance", "visibility", "normal", "per_light"},
-            {"ambient_occlusion", "standard_error", "sh"});
+        const auto name =
+            one.choice(place, {"color", "irradiance", "radiance", "ambient_occlusion", "visibility",
+                               "normal", "standard_error", "per_light", "sh"});
         if (!name) { continue; }
-        bool& asked = *name == "color"        ? wanted.color
-                      : *name == "irradiance" ? wanted.irradiance
-                      : *name == "radiance"   ? wanted.radiance
-                      : *name == "visibility" ? wanted.visibility
-                      : *name == "normal"     ? wanted.normal
-                                              : wanted.per_light;
+        const auto entry = std::find_if(std::begin(quantities), std::end(quantities),
+                                        [&](const auto& q) { return q.first == *name; });
+        bool& asked = wanted.*entry->second;
         if (asked) {
             one.fail(Fault::ConflictingFields, place, "\"" + *name + "\" is asked for twice");
         }
@@ -73,13 +83,15 @@ Display parse_display(Fields fields)
 Output parse_output(Fields fields, const ParseLimits& limits)
 {
     Output output;
-    const auto format = fields.choice("format", {"ply", "ply_ascii", "json", "npz", "png"},
-                                      {"obj", "off", "glb", "vtp", "jpeg", "exr", "hdr"});
+    const auto format = fields.choice("format", {"ply", "ply_ascii", "json", "npz", "png", "exr"},
+                                      {"obj", "off", "glb", "vtp", "jpeg", "hdr"});
     if (format == "ply") { output.format = Format::Ply; }
     if (format == "ply_ascii") { output.format = Format::PlyAscii; }
     if (format == "json") { output.format = Format::Json; }
     if (format == "npz") { output.format = Format::Npz; }
     if (format == "png") { output.format = Format::Png; }
+    if (format == "exr") { output.format = Format::Exr; }
+    output.names_quantities = fields.has("quantities");
     output.quantities = parse_quantities(fields);
     for (const std::string_view name : {"width", "height", "samples", "renderer", "background"}) {
         if (fields.has(name) && !output.image_field) { output.image_field = name; }
@@ -94,9 +106,9 @@ Output parse_output(Fields fields, const ParseLimits& limits)
     }
     const Json* background = fields.find("background");
     if (background != nullptr && std::holds_alternative<std::string>(background->value)) {
-        if (fields.choice("background", {"transparent"})) { output.background.reset(); }
+        output.transparent = fields.choice("background", {"transparent"}).has_value();
     } else {
-        output.background = fields.color("background", {0.0, 1e12, "radiance"}).value_or(Rgb{});
+        output.background = fields.color("background", {0.0, 1e12, "radiance"});
     }
     const auto pixels =
         static_cast<std::uint64_t>(output.width) * static_cast<std::uint64_t>(output.height);

@@ -57,6 +57,8 @@ ProblemKind problem_kind(Fault fault)
             return {422, "There is nothing to light"};
         case Fault::NormalsRequired:
             return {422, "A point cloud needs normals"};
+        case Fault::ImportFailed:
+            return {422, "The file could not be imported"};
         case Fault::TooManyVertices:
             return {413, "Too many vertices"};
         case Fault::TooManyFaces:

@@ -1,124 +1,18 @@
 #include "server/relight.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 #include "core/shade/shade.h"
 #include "server/encode.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
-#include "server/mesh_file.h"
 #include "server/negotiate.h"
 #include "server/relight_checks.h"
-#include "server/scene_json.h"
+#include "server/timed.h"
 
 namespace relight {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-/// Adds the time of `work` to a stage's; returns what it returns.
-template <class Work>
-auto timed(double& ms, Work&& work)
-{
-    struct Stopwatch {
-        double& ms;
-        Clock::time_point start = Clock::now();
-        ~Stopwatch()
-        {
-            ms += std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-        }
-    };
-    const Stopwatch stopwatch{ms};
-    return work();
-}
-
-Error cancelled()
-{
-    return make_error(Fault::Cancelled, "the server is stopping; send it again later");
-}
-
-/// Mesh -> surface and acceleration structure.
-Result<Stage> build_stage(Mesh mesh, double point_radius_scale, unsigned threads, Timings& timings,
-                          Progress& progress)
-{
-    if (mesh.faces.count() == 0 && mesh.normals.empty()) {
-        return make_error(Fault::NormalsRequired,
-                          "a point cloud is lit by the normals it brings, and this one has none; "
-                          "estimating them is not in this build",
-                          "/mesh");
-    }
-    return timed(timings.bvh, [&]() -> Result<Stage> {
-        Stage stage;
-        stage.mesh = std::make_shared<const Mesh>(std::move(mesh));
-        stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, threads, progress));
-        if (progress.stopped()) { return cancelled(); }
-        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, point_radius_scale);
-        return stage;
-    });
-}
-
-/// The stage of a request's mesh, from the cache if it has come before.
-struct StageFinder {
-    const RelightRequest& request;
-    const std::vector<Part>& parts;
-    const Workshop& workshop;
-    Timings& timings;
-    Progress& progress;
-
-    Result<Stage> build(std::span<const std::byte> file, std::optional<std::string_view> format,
-                        std::string_view content_type) const
-    {
-        auto mesh = timed(timings.parse, [&] {
-            return parse_mesh(file, format, content_type, workshop.read, progress);
-        });
-        if (!mesh) { return std::move(mesh).error(); }
-        return build_stage(std::move(*mesh), request.point_radius_scale, workshop.threads, timings,
-                           progress);
-    }
-
-    /// What a stage depends on: the file, how it is read, the size of its points.
-    std::string key(const std::string& id, std::string_view read_as) const
-    {
-        return id + ' ' + std::string(read_as) + ' ' + decimal(request.point_radius_scale);
-    }
-
-    Result<Stage> operator()(const StoredMesh& stored) const
-    {
-        const auto object = workshop.store.find(stored.id);
-        if (!object) {
-            return make_error(Fault::NotFound,
-                              "no mesh is stored under this id; POST /v1/meshes stores one",
-                              "/mesh/id");
-        }
-        return workshop.cache.stage(key(stored.id, object->format), [&]() -> Result<Stage> {
-            const File file = workshop.store.open(stored.id);
-            if (!file) { return make_error(Fault::NotFound, "this mesh was deleted", "/mesh/id"); }
-            return build(file.read_all(), object->format, {});
-        });
-    }
-
-    Result<Stage> operator()(const PartMesh& mesh) const
-    {
-        const auto part = std::find_if(parts.begin(), parts.end(),
-                                       [&](const Part& p) { return p.name == mesh.part; });
-        if (part == parts.end()) {
-            return make_error(Fault::MissingField,
-                              "no part of the request is called \"" + printable(mesh.part) +
-                                  "\"; a part is a file of a multipart/form-data body",
-                              "/mesh/part");
-        }
-        return workshop.cache.stage(key(sha256(part->data), part->content_type), [&] {
-            return build(std::as_bytes(std::span(part->data)), {}, part->content_type);
-        });
-    }
-
-    Result<Stage> operator()(const Mesh& mesh) const
-    {
-        return build_stage(mesh, request.point_radius_scale, workshop.threads, timings, progress);
-    }
-};
 
 /// Values beyond single precision become its largest: an answer holds finite numbers only.
 std::size_t clamp_to_finite(std::vector<Rgbf>& values)
@@ -140,15 +34,17 @@ Result<Encoded> light_vertices(const RelightRequest& request, Format format, con
                                Progress& progress)
 {
     const Quantities& wanted = request.output.quantities;
+    const bool radiance = wanted.color || wanted.radiance || is_image(format);
+    const TransportWanted columns{radiance, wanted.ambient_occlusion, wanted.sh, workshop.threads};
     const Transport transport =
-        timed(timings.trace, [&] { return trace(stage, scene, workshop.threads, progress); });
+        timed(timings.trace, [&] { return trace(stage, scene, columns, progress); });
     if (progress.stopped()) { return cancelled(); }
-    const ShadeOptions options{wanted.color || wanted.radiance || is_image(format),
-                               wanted.per_light, workshop.threads};
+    const ShadeOptions options{radiance, wanted.per_light, wanted.standard_error, workshop.threads};
     Shaded shaded =
         timed(timings.shade, [&] { return shade(stage, transport, scene, options, progress); });
     if (progress.stopped()) { return cancelled(); }
-    std::size_t clamped = clamp_to_finite(shaded.irradiance) + clamp_to_finite(shaded.radiance);
+    std::size_t clamped = clamp_to_finite(shaded.irradiance) + clamp_to_finite(shaded.radiance) +
+                          clamp_to_finite(shaded.standard_error);
     for (auto& one : shaded.per_light) { clamped += clamp_to_finite(one); }
     Encoded encoded{std::string(media_type(format)),
                     {},
@@ -177,13 +73,21 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
                              Progress& progress)
 {
     const Output& output = request.output;
-    const RaytraceOptions options{output.width,         output.height,
-                                  output.samples,       output.background.value_or(Rgb{}),
-                                  scene.transport.seed, workshop.threads};
+    RaytraceOptions options;
+    options.width = output.width;
+    options.height = output.height;
+    options.samples = output.samples;
+    options.background = output.transparent ? Rgb{} : output.background;
+    options.seed = scene.transport.seed;
+    options.per_light = output.quantities.per_light;
+    options.normal = output.quantities.normal;
+    options.threads = workshop.threads;
     Rendered rendered =
         timed(timings.trace, [&] { return raytrace(stage, scene, options, progress); });
     if (progress.stopped()) { return cancelled(); }
-    const std::size_t clamped = clamp_to_finite(rendered.image.pixels);
+    std::size_t clamped =
+        clamp_to_finite(rendered.image.pixels) + clamp_to_finite(rendered.standard_error);
+    for (auto& one : rendered.per_light) { clamped += clamp_to_finite(one); }
     Encoded encoded{std::string(media_type(format)),
                     {},
                     rendered.rays,
@@ -191,7 +95,9 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
                     warnings_of(stage, scene, clamped, Receivers::Pixels)};
     timed(timings.encode, [&] {
         encoded.bytes =
-            encode_image(rendered.image, request.display, output, workshop.threads, progress);
+            format == Format::Exr
+                ? encode_layers(rendered, scene, output, encoded.warnings)
+                : encode_image(rendered.image, request.display, output, workshop.threads, progress);
     });
     if (progress.stopped()) { return cancelled(); }
     return encoded;
@@ -199,37 +105,22 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
 
 }  // namespace
 
-Result<Mesh> parse_mesh(std::span<const std::byte> file, std::optional<std::string_view> named,
-                        std::string_view content_type, const ReadLimits& limits, Progress& progress)
-{
-    return choose_mesh_format(named, content_type, file).and_then([&](MeshFormat format) {
-        return read_mesh(format, file, limits, progress);
-    });
-}
-
-Result<Encoded> relight(const RelightRequest& request, Format format,
-                        const std::vector<Part>& parts, const Workshop& workshop,
-                        Progress& progress)
+Result<Encoded> relight(RelightRequest request, Format format, const std::vector<Part>& parts,
+                        const Workshop& workshop, Progress& progress)
 {
     Timings timings;
-    const auto light = [&](const Stage& stage) {
-        return complete(request, stage.surface->bounds)
-            .and_then([&](const Scene& scene) -> Result<Encoded> {
-                if (auto error = check(request, format, stage, scene, workshop)) {
-                    return std::move(*error);
-                }
-                const bool traced =
-                    is_image(format) && request.output.renderer == Renderer::Raytrace;
-                return traced ? light_pixels(request, format, stage, scene, workshop, timings,
-                                             progress)
-                              : light_vertices(request, format, stage, scene, workshop, timings,
-                                               progress);
-            });
-    };
     if (auto error = check_format(request.output, format)) { return std::move(*error); }
+    const auto light = [&](const SetUp& made) -> Result<Encoded> {
+        const auto& [stage, scene] = made;
+        if (auto error = check(request, format, stage, scene, workshop)) {
+            return std::move(*error);
+        }
+        const bool traced = is_image(format) && request.output.renderer == Renderer::Raytrace;
+        return traced ? light_pixels(request, format, stage, scene, workshop, timings, progress)
+                      : light_vertices(request, format, stage, scene, workshop, timings, progress);
+    };
     auto encoded = timed(timings.total, [&] {
-        return std::visit(StageFinder{request, parts, workshop, timings, progress}, request.mesh)
-            .and_then(light);
+        return set_up(request, parts, workshop, timings, progress).and_then(light);
     });
     if (encoded) { encoded->timings = timings; }
     return encoded;

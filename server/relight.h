@@ -17,10 +17,14 @@ namespace relight {
 
 /// What a relight job needs besides its request.
 struct Workshop {
-    const Store& store;
-    StageCache& cache;
+    const Store& meshes;
+    const Store& environments;
+    const Store& profiles;
+    StageCache& stages;
+    SkyCache& skies;
     unsigned threads = 0;  ///< of one job; 0: one a core
     ReadLimits read;
+    std::uint64_t pixels = 33'554'432;   ///< of an environment
     std::uint64_t rays = 4'000'000'000;  ///< one job may ask for
     std::uint64_t memory = 4ULL << 30U;  ///< bytes one job may hold beside its stage
 };
@@ -43,9 +47,23 @@ struct Encoded {
 /// the files that came with the request. Errors: NotFound and MissingField at /mesh, the readers'
 /// own, NormalsRequired, OutOfRange where the work asked for is beyond a limit, ConflictingFields,
 /// Cancelled.
-Result<Encoded> relight(const RelightRequest& request, Format format,
-                        const std::vector<Part>& parts, const Workshop& workshop,
-                        Progress& progress);
+Result<Encoded> relight(RelightRequest request, Format format, const std::vector<Part>& parts,
+                        const Workshop& workshop, Progress& progress);
+
+/// The same request's `vertices`, one by one: for each light its cosine, distance, visibility and
+/// blocker, the BRDF's terms and their product, as JSON. The lights' irradiances and radiances are
+/// doubles whose sums, in order and rounded to float, are the very values that relight() gives.
+/// Errors: relight()'s, IndexOutOfRange at /vertices.
+Result<Encoded> explain(RelightRequest request, const std::vector<Part>& parts,
+                        const Workshop& workshop, Progress& progress);
+
+/// A request's mesh on its stage, and the scene complete with all that its files bring.
+struct SetUp {
+    Stage stage;
+    Scene scene;
+};
+Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
+                     const Workshop& workshop, Timings& timings, Progress& progress);
 
 /// A file's bytes as a Stage, and its parts on the way (upload needs no Bvh).
 Result<Mesh> parse_mesh(std::span<const std::byte> file, std::optional<std::string_view> named,

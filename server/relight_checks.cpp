@@ -2,39 +2,78 @@
 
 #include <algorithm>
 
+#include "core/transport/receiver.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 
 namespace relight {
 
+namespace {
+
+/// Most rays that one vertex may cost.
+double rays_of_a_vertex(const Scene& scene, const Quantities& wanted, bool radiance)
+{
+    const double samples = scene.transport.samples;
+    const double bounced = 2.0 * samples * scene.transport.bounces;  // a path's and the light's
+    const bool glossy = radiance && std::any_of(scene.materials.begin(), scene.materials.end(),
+                                                [&](const Material& material) {
+                                                    return !E_tells_radiance(scene, material);
+                                                });
+    double rays = wanted.ambient_occlusion || wanted.sh ? samples : 0.0;
+    for (const Light& light : scene.lights) {
+        if (!light.enabled) { continue; }
+        const bool delta = is_delta(light.shape);
+        const double direct = delta ? 1.0 : samples;
+        rays += direct + bounced;
+        if (glossy) { rays += (delta ? 0.0 : direct) + bounced; }
+    }
+    return rays;
+}
+
+/// Most rays that one camera ray may cost.
+double rays_of_a_path(const Scene& scene)
+{
+    const auto lights = static_cast<double>(scene.lights.size());
+    return 1.0 + (2.0 + lights) * (1.0 + scene.transport.bounces);
+}
+
+/// The light has a surface, but one of no area: it can't shine.
+bool is_flat_nothing(const LightShape& shape)
+{
+    if (const auto* rect = std::get_if<RectLight>(&shape)) { return area(*rect) == 0.0; }
+    if (const auto* disk = std::get_if<DiskLight>(&shape)) { return area(*disk) == 0.0; }
+    const auto* sphere = std::get_if<SphereLight>(&shape);
+    return sphere != nullptr && area(*sphere) == 0.0;
+}
+
+}  // namespace
+
 std::optional<Error> check(const RelightRequest& request, Format format, const Stage& stage,
                            const Scene& scene, const Workshop& workshop)
 {
-    const bool from_vertex =
-        std::visit([](const auto& m) { return m.albedo_from_vertex; }, scene.material);
-    if (from_vertex && stage.mesh->colors.empty()) {
-        return make_error(Fault::ConflictingFields,
-                          "albedo is \"vertex\", but the mesh has no colours", "/material/albedo");
-    }
     const auto vertices = static_cast<double>(stage.mesh->positions.size());
-    const auto lights = static_cast<double>(scene.lights.size());
     const Output& output = request.output;
+    const Quantities& wanted = output.quantities;
     const bool traced_image = is_image(format) && output.renderer == Renderer::Raytrace;
     const double pixels = static_cast<double>(output.width) * output.height;
-    const double rays = traced_image ? pixels * output.samples * (1.0 + lights) : vertices * lights;
+    const bool radiance = wanted.color || wanted.radiance || is_image(format);
+    const double rays = traced_image ? pixels * output.samples * rays_of_a_path(scene)
+                                     : vertices * rays_of_a_vertex(scene, wanted, radiance);
     if (rays > static_cast<double>(workshop.rays)) {
         return make_error(Fault::OutOfRange,
                           "this asks for up to " + decimal(rays) + " rays; at most " +
                               std::to_string(workshop.rays) + " (limit --max-rays)",
-                          traced_image ? "/output/samples" : "/lights");
+                          traced_image ? "/output/samples" : "/transport/samples");
     }
-    constexpr double column_bytes = 5, per_light_bytes = 12, vertex_bytes = 64,
-                     pixel_bytes = 32;  // bytes
-    const double a_light = column_bytes +
-                           (request.output.quantities.per_light ? 2 * per_light_bytes : 0) +
-                           (request.output.quantities.visibility ? 8 : 0);
+    constexpr double column_bytes = 64, per_light_bytes = 12, vertex_bytes = 128,
+                     pixel_bytes = 64;  // bytes
+    const auto lights = static_cast<double>(scene.lights.size());
+    const double a_light =
+        column_bytes + (wanted.per_light ? 2 * per_light_bytes : 0) + (wanted.visibility ? 8 : 0);
     const double bytes =
-        traced_image ? pixels * pixel_bytes : vertices * (vertex_bytes + lights * a_light);
+        traced_image
+            ? pixels * (pixel_bytes + (wanted.per_light ? 2 * per_light_bytes * lights : 0))
+            : vertices * (vertex_bytes + lights * a_light);
     if (bytes > static_cast<double>(workshop.memory)) {
         return make_error(Fault::OutOfRange,
                           "this needs about " + decimal(bytes) +
@@ -54,11 +93,27 @@ std::optional<Error> check_format(const Output& output, Format format)
             "only images have this field, and the answer is no image: add \"format\": \"png\"",
             "/output/" + *output.image_field);
     }
-    if (is_image(format) &&
-        (q.irradiance || q.radiance || q.visibility || q.normal || q.per_light)) {
+    const bool arrays = q.irradiance || q.radiance || q.visibility || q.ambient_occlusion || q.sh;
+    if (format == Format::Png && (arrays || q.normal || q.per_light || q.standard_error)) {
         return make_error(Fault::ConflictingFields,
-                          "a PNG shows color; other quantities come as ply, ply_ascii, json or npz",
+                          "a PNG shows color; other quantities come as ply, ply_ascii, json or "
+                          "npz, or as layers of an exr",
                           "/output/quantities");
+    }
+    if (format == Format::Exr) {
+        if (output.renderer == Renderer::Vtk) {
+            return make_error(Fault::ConflictingFields,
+                              "vtk draws display colours; an exr holds radiance: take "
+                              "\"raytrace\", or \"format\": \"png\"",
+                              "/output/renderer");
+        }
+        if (q.irradiance || q.visibility || q.ambient_occlusion || q.sh ||
+            (q.color && output.names_quantities)) {
+            return make_error(Fault::ConflictingFields,
+                              "an exr holds radiance, and as layers standard_error, per_light and "
+                              "normal; other quantities come as ply, ply_ascii, json or npz",
+                              "/output/quantities");
+        }
     }
     return {};
 }
@@ -87,6 +142,24 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
             "the faces wind inward, so their lit fronts look into the volume they enclose; for "
             "light "
             "on the outside send \"transport\": {\"two_sided\": true}");
+    }
+    for (const Light& light : scene.lights) {
+        if (light.enabled && is_flat_nothing(light.shape)) {
+            warnings.push_back("light \"" + printable(light.name) +
+                               "\" has no area: it gives no light");
+        }
+        const auto* sky = std::get_if<SkyLight>(&light.shape);
+        if (sky != nullptr && light.enabled && -sky->sun.travel.y() < 0.0) {
+            warnings.push_back("the sun of light \"" + printable(light.name) +
+                               "\" is below the horizon (+Y is up)");
+        }
+    }
+    for (const Material& material : scene.materials) {
+        const auto* disney = std::get_if<Principled>(&material);
+        if (disney != nullptr && disney->sheen > 0.0 && disney->metallic < 1.0) {
+            warnings.emplace_back(
+                "principled with sheen can reflect more light than it receives (as published)");
+        }
     }
     if (clamped > 0) {
         warnings.push_back(std::to_string(clamped) +

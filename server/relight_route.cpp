@@ -80,39 +80,57 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
     return Received{std::move(posted)};
 }
 
-Result<Encoded> run(const Posted& posted, const std::string& accept, ServerState& state)
+/// What is to be made of a request: an answer in its format, or the reasons of some vertices.
+enum class Purpose { Relight, Explain };
+
+Result<Encoded> run(const Posted& posted, Purpose purpose, const std::string& accept,
+                    ServerState& state)
 {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const Options& options = state.options;
     double parsing = 0.0;
     const auto parse = [&] {
-        auto request = parse_request(posted.json, options.parse, posted.has_mesh_part);
+        auto request = parse_request(posted.json, options.parse, posted.has_mesh_part,
+                                     purpose == Purpose::Explain);
         parsing = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
         return request;
     };
-    const auto light = [&](const RelightRequest& request, Progress& progress) -> Result<Encoded> {
+    const Workshop workshop{state.meshes,
+                            state.environments,
+                            state.profiles,
+                            state.stages,
+                            state.skies,
+                            options.threads,
+                            {options.parse.vertices, options.parse.faces},
+                            options.parse.pixels,
+                            options.max_rays,
+                            options.memory};
+    const auto light = [&](RelightRequest&& request, Progress& progress) -> Result<Encoded> {
+        if (purpose == Purpose::Explain) {
+            return explain(std::move(request), posted.parts, workshop, progress);
+        }
         const auto format = request.output.format ? request.output.format : format_accepted(accept);
         if (!format) {
-            return make_error(Fault::NotAcceptable,
-                              "answers come as model/ply, application/json, application/x-npz or "
-                              "image/png; \"output\": {\"format\": …} goes before Accept");
+            return make_error(
+                Fault::NotAcceptable,
+                "answers come as model/ply, application/json, application/x-npz, "
+                "image/png or image/x-exr; \"output\": {\"format\": …} goes before Accept");
         }
-        const Workshop workshop{state.store,      state.cache,
-                                options.threads,  {options.parse.vertices, options.parse.faces},
-                                options.max_rays, options.memory};
-        return relight(request, *format, posted.parts, workshop, progress);
+        return relight(std::move(request), *format, posted.parts, workshop, progress);
     };
     constexpr std::size_t small_json = std::size_t{64}
                                        << 10U;  // parsed here, so that slips cost no wait
     Result<Encoded> encoded = make_error(Fault::Internal, {});
     if (posted.json.size() <= small_json) {
-        const auto request = parse();
+        auto request = parse();
         if (!request) { return request.error(); }
-        encoded = state.pool.run([&](Progress& progress) { return light(*request, progress); });
+        encoded = state.pool.run(
+            [&](Progress& progress) { return light(std::move(*request), progress); });
     } else {
         encoded = state.pool.run([&](Progress& progress) {
-            return parse().and_then([&](const RelightRequest& r) { return light(r, progress); });
+            return parse().and_then(
+                [&](RelightRequest&& r) { return light(std::move(r), progress); });
         });
     }
     if (encoded) {
@@ -140,7 +158,7 @@ std::string server_timing(const Timings& timings)
 }
 
 void relight_posted(const httplib::Request& request, httplib::Response& response,
-                    const httplib::ContentReader& reader, ServerState& state)
+                    const httplib::ContentReader& reader, Purpose purpose, ServerState& state)
 {
     if (state.stopping) {
         return reply(response, make_error(Fault::Stopping, "the server is stopping"));
@@ -153,7 +171,7 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
     const auto received = receive(request, reader, state, share);
     if (!received) { return reply(response, received.error()); }
     if (!received->posted) { return; }
-    auto encoded = run(*received->posted, request.get_header_value("Accept"), state);
+    auto encoded = run(*received->posted, purpose, request.get_header_value("Accept"), state);
     if (!encoded) { return reply(response, encoded.error()); }
     response.status = 200;
     response.body = std::move(encoded->bytes);
@@ -171,12 +189,15 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
 
 void add_relight_route(GuardedServer& server, ServerState& state)
 {
-    server.Post("/v1/relight",
-                [&state](const httplib::Request& request, httplib::Response& response,
-                         const httplib::ContentReader& reader) {
-                    answer(state, request, response, {"receipt"},
-                           [&] { relight_posted(request, response, reader, state); });
-                });
+    for (const auto& [path, purpose] :
+         {std::pair{"/v1/relight", Purpose::Relight}, {"/v1/explain", Purpose::Explain}}) {
+        server.Post(path, [&state, purpose = purpose](const httplib::Request& request,
+                                                      httplib::Response& response,
+                                                      const httplib::ContentReader& reader) {
+            answer(state, request, response, {"receipt"},
+                   [&] { relight_posted(request, response, reader, purpose, state); });
+        });
+    }
 }
 
 }  // namespace relight

@@ -21,26 +21,29 @@ struct PartMesh {
 };
 using MeshSource = std::variant<StoredMesh, PartMesh, Mesh>;
 
-enum class Format { Ply, PlyAscii, Json, Npz, Png };
+enum class Format { Ply, PlyAscii, Json, Npz, Png, Exr };
 constexpr bool is_image(Format format)
 {
-    return format == Format::Png;
+    return format == Format::Png || format == Format::Exr;
 }
 
 enum class Renderer { Raytrace, Vtk };
 
 struct Quantities {
     bool color = false, irradiance = false, radiance = false, visibility = false, normal = false,
-         per_light = false;
+         per_light = false, ambient_occlusion = false, standard_error = false, sh = false;
 };
 
 /// How the answer is written.
 struct Output {
-    std::optional<Format> format;  ///< absent: by the Accept header
-    Quantities quantities;
+    std::optional<Format> format;   ///< absent: by the Accept header
+    Quantities quantities;          ///< color if the request names none:
+    bool names_quantities = false;  ///< an EXR, which has no color, may then leave it out
     int width = 800, height = 600;
-    int samples = 16;                       ///< a pixel
-    std::optional<Rgb> background = Rgb{};  ///< linear radiance; nothing: transparent
+    int samples = 16;  ///< a pixel
+    /// Linear radiance where nothing is hit; absent: the skies among the lights, else black.
+    std::optional<Rgb> background;
+    bool transparent = false;  ///< "background": "transparent"
     Renderer renderer = Renderer::Raytrace;
     std::optional<std::string> image_field;  ///< the first field given that only images have
 };
@@ -52,12 +55,36 @@ struct CameraFields {
     std::optional<double> fov_y;  ///< [rad]
 };
 
+/// A file that a light of the request needs: an environment's image or a photometric profile.
+struct LightFile {
+    std::size_t light = 0;                      ///< its place among the lights
+    std::variant<StoredMesh, PartMesh> source;  ///< by id, or a part of the body
+    std::string pointer;                        ///< "/lights/2/image"
+};
+
+/// A sky of the request. Its table takes a hundredth of a second, so complete() makes it.
+struct ClearSky {
+    std::size_t light = 0;  ///< its place among the lights
+    Dir3 toward_sun;
+    double turbidity = 3.0;
+};
+
+/// One entry of "materials", to be matched with the mesh's groups.
+struct GroupMaterial {
+    std::string group;  ///< the key: a name of the mesh's materials, or an index into them
+    Material material;
+};
+
 /// A relight request, validated as far as it can be without its mesh.
 struct RelightRequest {
     MeshSource mesh;
     Scene scene;
+    std::vector<LightFile> light_files;
+    std::vector<ClearSky> skies;
+    std::vector<GroupMaterial> materials;
     CameraFields camera;
     bool default_lights = true;  ///< the request names none
+    std::vector<std::uint64_t> vertices;  ///< POST /v1/explain: which to explain
     double point_radius_scale = 1.5;
     Display display;
     Output output;

@@ -26,6 +26,14 @@ constexpr Path known_paths[] = {{"/", "GET, HEAD"},
                                 {"/v1/meshes", "GET, HEAD, POST"},
                                 {"/v1/meshes/{id}", "GET, HEAD, DELETE"},
                                 {"/v1/meshes/{id}/content", "GET, HEAD"},
+                                {"/v1/environments", "GET, HEAD, POST"},
+                                {"/v1/environments/{id}", "GET, HEAD, DELETE"},
+                                {"/v1/environments/{id}/content", "GET, HEAD"},
+                                {"/v1/profiles", "GET, HEAD, POST"},
+                                {"/v1/profiles/{id}", "GET, HEAD, DELETE"},
+                                {"/v1/profiles/{id}/content", "GET, HEAD"},
+                                {"/v1/check", "GET, HEAD"},
+                                {"/v1/explain", "POST"},
                                 {"/v1/relight", "POST"}};
 
 bool matches(std::string_view pattern, std::string_view path)
@@ -52,12 +60,13 @@ bool turned_away(const httplib::Request& request, httplib::Response& response)
         if (matches(path.pattern, request.path)) { methods = path.methods; }
     }
     if (methods.empty()) {
-        const bool in_meshes = request.path.starts_with("/v1/meshes/");
-        reply(response,
-              make_error(Fault::NotFound,
-                         in_meshes ? "no mesh has this id; an id is 64 lower-case hex digits"
-                                   : "there is nothing at this path; /v1/openapi.json lists "
-                                     "what there is"));
+        const bool stored = request.path.starts_with("/v1/meshes/") ||
+                            request.path.starts_with("/v1/environments/") ||
+                            request.path.starts_with("/v1/profiles/");
+        reply(response, make_error(Fault::NotFound,
+                                   stored ? "nothing has this id; an id is 64 lower-case hex digits"
+                                          : "there is nothing at this path; /v1/openapi.json lists "
+                                            "what there is"));
         return true;
     }
     if (request.method == "OPTIONS") {
@@ -87,7 +96,9 @@ constexpr std::string_view front_page = R"(<!doctype html>
 <p>A mesh in, a lit mesh out. This is the API; it is described in <a href="/v1/openapi.json">/v1/openapi.json</a>.</p>
 <ul>
 <li>POST /v1/meshes stores a mesh or point cloud (PLY, OBJ, OFF, STL); <a href="/v1/meshes">GET /v1/meshes</a> lists them</li>
-<li>POST /v1/relight lights one: PLY, JSON, NPZ or PNG comes back</li>
+<li>POST /v1/environments and /v1/profiles store skies (HDR, EXR) and lamps (IES)</li>
+<li>POST /v1/relight lights one: PLY, JSON, NPZ, PNG or EXR comes back; POST /v1/explain says why a vertex is as bright as it is</li>
+<li><a href="/v1/check">GET /v1/check</a> proves the formulas</li>
 <li><a href="/healthz">/healthz</a> and <a href="/readyz">/readyz</a> say how the server is</li>
 </ul>
 </html>
@@ -103,7 +114,7 @@ std::string ready_json(const ServerState& state)
                              .text("rays", Bvh::kernel())
                              .done())
         .raw("limits", limits_json(state.options))
-        .count("cache_bytes", state.cache.bytes())
+        .count("cache_bytes", state.stages.bytes() + state.skies.bytes())
         .done();
 }
 
@@ -154,8 +165,9 @@ void add_routes(GuardedServer& server, ServerState& state)
     get("/v1/openapi.json", [](httplib::Response& response) {
         reply_json(response, 200, std::string(openapi_json()));
     });
-    add_mesh_routes(server, state);
+    add_stored_routes(server, state);
     add_relight_route(server, state);
+    add_check_route(server, state);
 }
 
 }  // namespace relight

@@ -15,8 +15,11 @@ namespace relight {
 /// What the handlers share; all of it outlives the server.
 struct ServerState {
     const Options& options;
-    Store& store;
-    StageCache& cache;
+    Store& meshes;
+    Store& environments;
+    Store& profiles;
+    StageCache& stages;
+    SkyCache& skies;
     ComputePool& pool;
     ByteBudget& arriving;
     Log& log;
@@ -26,7 +29,8 @@ struct ServerState {
 /// Registers every route of the API.
 void add_routes(GuardedServer& server, ServerState& state);
 
-void add_mesh_routes(GuardedServer& server, ServerState& state);
+void add_stored_routes(GuardedServer& server, ServerState& state);
 void add_relight_route(GuardedServer& server, ServerState& state);
+void add_check_route(GuardedServer& server, ServerState& state);
 
 }  // namespace relight

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "core/io/readers.h"
-#include "core/shade/raytrace.h"
 #include "server/fields.h"
+#include "server/file_source.h"
 #include "server/json_text.h"
 #include "server/light_json.h"
 #include "server/output_json.h"
@@ -14,15 +14,6 @@ namespace relight {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
-constexpr double default_fov = 40.0 * degree;
-constexpr std::size_t longest_part_name = 128;
-
-bool is_id(std::string_view text)
-{
-    return text.size() == 64 &&
-           text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
-}
-
 /// Inline arrays become a mesh when they fit each other.
 Mesh inline_mesh(Fields& fields, InlineArrays arrays)
 {
@@ -75,25 +66,8 @@ MeshSource parse_mesh(Fields& root, InlineArrays arrays, bool default_part)
         if (!default_part) { root.need({"mesh"}); }
         return PartMesh{"mesh"};
     }
-    if (fields->has("id") && fields->has("part")) {
-        fields->fail(Fault::ConflictingFields, "part",
-                     "\"id\" is given too; one of: id, part, positions");
-    }
-    if (fields->has("id")) {
-        const std::string id = fields->text("id", 64).value_or("");
-        if (!is_id(id)) {
-            fields->fail(
-                Fault::UnknownValue, "id",
-                "found \"" + printable(id, 80) +
-                    "\"; an id is the 64 lower-case hex digits that POST /v1/meshes answered");
-        }
-        fields->finish();
-        return StoredMesh{id};
-    }
-    if (fields->has("part")) {
-        PartMesh part{fields->text("part", longest_part_name).value_or("")};
-        fields->finish();
-        return part;
+    if (auto file = parse_file_source(*fields, "POST /v1/meshes")) {
+        return std::visit([](auto& source) -> MeshSource { return std::move(source); }, *file);
     }
     return inline_mesh(*fields, std::move(arrays));
 }
@@ -138,15 +112,20 @@ TransportOptions parse_transport(Fields fields)
     }
     options.seed =
         static_cast<std::uint64_t>(fields.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
-    // Point, spot and directional light need no samples a vertex: these change nothing, but must be
-    // sound.
-    fields.integer("samples", 1, 65536);
     if (!fields.is_null("target_standard_error")) {
-        fields.number("target_standard_error", {0.0, 1e12, {}, true});
+        options.target_standard_error =
+            fields.number("target_standard_error", {0.0, 1e12, "W/m2 or lx", true});
     }
-    if (fields.integer("bounces", 0, 64).value_or(0) != 0) {
-        fields.fail(Fault::NotAvailable, "bounces", "bounced light is not in this build; 0 is");
+    constexpr unsigned enough = 4096;  // for a target: what most vertices never need
+    if (options.target_standard_error) { options.samples = enough; }
+    options.samples =
+        static_cast<unsigned>(fields.integer("samples", 1, 65536).value_or(options.samples));
+    if (options.target_standard_error && options.samples < 2) {
+        fields.fail(Fault::OutOfRange, "samples",
+                    "found 1; a standard error is told from at least 2 samples, so "
+                    "\"target_standard_error\" needs them");
     }
+    options.bounces = static_cast<unsigned>(fields.integer("bounces", 0, 64).value_or(0));
     fields.finish();
     return options;
 }
@@ -160,10 +139,34 @@ double parse_points(Fields fields)
     return scale;
 }
 
+/// "vertices" of a request to explain: indices, checked against the mesh later.
+std::vector<std::uint64_t> parse_vertices(Fields& root)
+{
+    constexpr std::size_t most = 1000;
+    root.need({"vertices"});
+    const JsonArray* given = root.array("vertices");
+    std::vector<std::uint64_t> vertices;
+    if (given == nullptr) { return vertices; }
+    if (given->empty() || given->size() > most) {
+        root.fail(
+            Fault::WrongLength, "vertices",
+            "found " + std::to_string(given->size()) + " vertices; 1 to " + std::to_string(most));
+        return vertices;
+    }
+    for (std::size_t i = 0; i < given->size(); ++i) {
+        const std::string place = std::to_string(i);
+        const Json item{JsonObject{{place, (*given)[i]}}};
+        Fields one(item, root.pointer_to("vertices"), "a vertex", root.errors());
+        vertices.push_back(
+            static_cast<std::uint64_t>(one.integer(place, 0, std::int64_t{1} << 53).value_or(0)));
+    }
+    return vertices;
+}
+
 }  // namespace
 
 Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& limits,
-                                     bool default_part)
+                                     bool default_part, bool explain)
 {
     auto tree = parse_json(json, limits.vertices, limits.faces);
     if (!tree) { return std::move(tree).error(); }
@@ -181,15 +184,19 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
                       "found " + std::to_string(lights->size()) + " lights; at most " +
                           std::to_string(limits.lights) + " (limit --max-lights)");
         } else {
-            ParsedLights parsed = parse_lights(*lights, efficacy, errors);
+            ParsedLights parsed = parse_lights(*lights, efficacy, scene.length_unit_m, errors);
             scene.units = parsed.units;
             scene.lights = std::move(parsed.lights);
+            request.light_files = std::move(parsed.files);
+            request.skies = std::move(parsed.skies);
         }
     }
     if (auto material = root.object("material", "a material")) {
-        scene.material = parse_material(std::move(*material));
+        scene.materials = {parse_material(std::move(*material))};
     }
-    root.not_yet({"materials"}, "it has one \"material\" for the whole mesh");
+    if (const Json* materials = root.find("materials")) {
+        request.materials = parse_materials(*materials, root.pointer_to("materials"), errors);
+    }
     if (auto view = root.object("view", "\"view\"")) { scene.view = parse_view(std::move(*view)); }
     if (auto camera = root.object("camera", "\"camera\"")) {
         request.camera = parse_camera(std::move(*camera));
@@ -207,40 +214,19 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
     if (auto output = root.object("output", "\"output\"")) {
         request.output = parse_output(std::move(*output), limits);
     }
+    if (request.output.quantities.standard_error && scene.transport.samples < 2) {
+        errors.report(make_error(Fault::OutOfRange,
+                                 "found 1; a standard error is told from at least 2 samples, and "
+                                 "the output asks for it",
+                                 "/transport/samples"));
+    }
+    if (explain) { request.vertices = parse_vertices(root); }
     if (root.flag("receipt").value_or(false)) {
         root.fail(Fault::NotAvailable, "receipt", "receipts are not in this build; leave it out");
     }
     root.finish();
     if (errors) { return std::move(errors).take(); }
     return request;
-}
-
-Result<Scene> complete(const RelightRequest& request, const Bounds& bounds)
-{
-    Scene scene = request.scene;
-    const CameraFields& given = request.camera;
-    const double aspect = static_cast<double>(request.output.width) / request.output.height;
-    scene.camera = frame(bounds, given.fov_y.value_or(default_fov), aspect);
-    if (given.eye) {
-        scene.camera.eye = *given.eye;
-        scene.camera.target = given.target.value_or(bounds.centre());
-        if (!normalize(scene.camera.eye - scene.camera.target)) {
-            return make_error(Fault::ZeroDirection,
-                              "the camera stands on its target; eye and target must differ",
-                              "/camera/eye");
-        }
-    }
-    if (given.up) { scene.camera.up = *given.up; }
-    if (request.default_lights) {
-        // A sun over the viewer's left shoulder: from behind the camera, above and to its left.
-        const CameraAxes a = axes(scene.camera);
-        const Vec3 toward_sun = Vec3(a.back) + 0.6 * Vec3(a.up) - 0.4 * Vec3(a.right);
-        constexpr double sun_irradiance =
-            3.0;  // E_perp [W/m^2]: white Lambert 0.8 facing it has L = 0.76
-        scene.lights = {{"light_0", DirectionalLight{normalize(-toward_sun)},
-                         Rgb::grey(sun_irradiance), true, true}};
-    }
-    return scene;
 }
 
 }  // namespace relight

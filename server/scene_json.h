@@ -9,12 +9,16 @@ namespace relight {
 
 /// The JSON of POST /v1/relight, read strictly: every Error carries the fault, the pointer to the
 /// field and what is allowed there. `default_part`: the multipart body has a part "mesh", which is
-/// the mesh when the request names none.
+/// the mesh when the request names none. `explain`: it must say which "vertices".
 Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& limits,
-                                     bool default_part = false);
+                                     bool default_part = false, bool explain = false);
 
-/// What depends on the mesh: the camera that frames it, the default sun. Error ZeroDirection if the
-/// camera stands on its target.
-Result<Scene> complete(const RelightRequest& request, const Bounds& bounds);
+/// What depends on the mesh: the camera that frames it, which group has which material, the
+/// triangles that shine, the lights of a request that names none (the mesh's own, else a sun). And
+/// what takes its time: tables of skies and materials.
+/// Errors: ZeroDirection if the camera stands on its target, UnknownValue and ConflictingFields at
+/// a material that the mesh cannot have, MissingField at a "from_mesh" of a mesh that does not
+/// shine. `surface` is that of `mesh`.
+Result<Scene> complete(const RelightRequest& request, const Mesh& mesh, const Surface& surface);
 
 }  // namespace relight

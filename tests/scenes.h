@@ -38,4 +38,22 @@ inline Mesh with_receivers(Mesh occluders, const std::vector<Point3>& places,
     return occluders;
 }
 
+/// Such meters on their stage: the last vertices of the mesh.
+struct Meters {
+    Stage stage;
+    std::size_t first, count;
+
+    Meters(const Mesh& occluders, const std::vector<Point3>& places,
+           const std::vector<Vec3>& normals)
+        : stage(staged(with_receivers(occluders, places, normals))),
+          first(occluders.positions.size()),
+          count(places.size())
+    {
+    }
+    Column read(const Scene& scene, std::size_t light = 0, bool radiance = false) const
+    {
+        return column(stage, scene, light, radiance, first, first + count);
+    }
+};
+
 }  // namespace relight::test

@@ -55,6 +55,8 @@ std::string_view fault_code(Fault fault)
             return "no_geometry";
         case Fault::NormalsRequired:
             return "normals_required";
+        case Fault::ImportFailed:
+            return "import_failed";
         case Fault::TooManyVertices:
             return "too_many_vertices";
         case Fault::TooManyFaces:

@@ -34,6 +34,7 @@ enum class Fault {
     CoordinateTooLarge,  // beyond what single-precision rays can carry
     NoGeometry,          // no vertices, or nothing that can be lit
     NormalsRequired,     // a cloud without normals
+    ImportFailed,        // the import process broke on it, or ran over its limits
     // limits and the connection
     TooManyVertices,
     TooManyFaces,

@@ -34,6 +34,22 @@ double hidden_ratio(double c, double s, double alpha, double gamma)
 
 }  // namespace
 
+Vec3 sample(double alpha, double gamma, Sample2 s)
+{
+    // D cos dm = pi D d(sin^2) with D as t^-gamma, t = sin^2 + a^2 cos^2 from a^2 (the pole) to 1:
+    // with g = 1 - gamma and L = ln a^2, t^g runs from a^(2 g) to 1 in equal steps of s.u. From the
+    // pole, in logarithms:   ln(t / a^2) = ln(1 + s.u (a^(-2 g) - 1)) / g, which is -L s.u at g =
+    // 0.
+    const double x = (alpha - 1.0) * (alpha + 1.0);
+    const double L = std::log1p(x);
+    const double g = 1.0 - gamma;
+    const double above = g == 0.0 ? -L * s.u : std::log1p(s.u * std::expm1(-g * L)) / g;
+    const double sin2 = x == 0.0 ? s.u : alpha * alpha * std::expm1(above) / -x;
+    const double sine = std::sqrt(std::clamp(sin2, 0.0, 1.0));
+    const double phi = 2.0 * std::numbers::pi * s.v;
+    return {sine * std::cos(phi), sine * std::sin(phi), std::sqrt((1.0 - sine) * (1.0 + sine))};
+}
+
 Masking::Masking(double alpha, double gamma)
     : alpha_(alpha), step_(std::asinh(1.0 / alpha) / (nodes - 1))
 {

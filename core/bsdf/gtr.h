@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/sobol.h"
 #include "core/base/vec.h"
 
 /// Generalised Trowbridge-Reitz: (1 + (a^2 - 1) cos^2)^-gamma, normalised.   Burley 2012, app. B
@@ -34,6 +35,10 @@ inline double D(double cos_m, double alpha, double gamma)
     const double u = c2 + (1.0 - c2) / (alpha * alpha);
     return D_peak(alpha, gamma) * std::pow(u, -gamma);
 }
+
+/// A facet normal with density D cos_m [1/sr]: where facets are, seen from above.   Burley 2012,
+/// app. B, for any gamma. Test: Gtr.NormalsAreDrawnFromTheirDistribution
+Vec3 sample(double alpha, double gamma, Sample2 s);
 
 /// Smith's Lambda times cos(w) of one GTR lobe, from D by the conservation of projected area. It
 /// has no closed form for most gamma, so it is integrated once over a grid of angles and read off

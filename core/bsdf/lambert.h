@@ -1,9 +1,11 @@
 #pragma once
 
 #include <numbers>
+#include <vector>
 
 #include "core/base/quantity.h"
 #include "core/base/vec.h"
+#include "core/bsdf/terms.h"
 
 namespace relight {
 
@@ -20,6 +22,13 @@ inline BsdfValue f(const Lambert& material, Vec3 wi, Vec3 wo, Rgb vertex_color)
     if (!(wi.z > 0.0 && wo.z > 0.0)) { return {}; }
     const Rgb rho = material.albedo_from_vertex ? vertex_color : material.albedo;
     return {rho / std::numbers::pi};
+}
+
+/// f is its one and only factor.
+inline std::vector<BsdfTerm> terms(const Lambert& material, Vec3 wi, Vec3 wo, Rgb vertex_color)
+{
+    const Rgb value = f(material, wi, wo, vertex_color).value;
+    return {{"diffuse", value}, {"f", value}};
 }
 
 }  // namespace relight

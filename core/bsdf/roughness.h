@@ -15,4 +15,9 @@ constexpr double alpha_from_roughness(double roughness)
     return std::max(least_alpha, roughness * roughness);
 }
 
+/// Widths of an anisotropic lobe along the x and the y of its own frame.
+struct LobeWidths {
+    double x = 1.0, y = 1.0;
+};
+
 }  // namespace relight

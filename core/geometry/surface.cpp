@@ -7,6 +7,7 @@
 
 #include "core/geometry/polygon.h"
 #include "core/geometry/spacing.h"
+#include "core/geometry/tangents.h"
 
 namespace relight {
 namespace {
@@ -142,6 +143,7 @@ Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress)
         if (!cloud && faces.used[v] == 0) { ++surface.intake.unreferenced_vertices; }
         if (!std::isfinite(faces.shortest_edge[v])) { faces.shortest_edge[v] = 0.0F; }
     }
+    surface.tangents = tangents_of(mesh, surface);
     surface.spacing =
         cloud ? cloud_spacing(mesh.positions, threads, progress) : std::move(faces.shortest_edge);
     return surface;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -41,12 +42,18 @@ struct Surface {
     std::vector<Triangle> triangles;           ///< of the faces, in their order; empty for clouds
     std::vector<std::uint32_t> triangle_face;  ///< face of each triangle; empty: the same index
     std::vector<Dir3> normals;                 ///< V; "no direction": the vertex cannot be lit
+    /// V unit tangents along increasing u of the texture coordinates, perpendicular to the normal;
+    /// empty: the mesh has none. A zero one: none here.
+    std::vector<std::array<float, 3>> tangents;
     std::vector<float> spacing;  ///< V, scene units: shortest edge at the vertex; in a cloud,
                                  ///< 1/sqrt(points per area) around it
     Bounds bounds;
     double quantum = 0.0;  ///< coarsest step of the coordinates as filed, scene units
     Intake intake;
 };
+
+/// Frame to shade a vertex in: z its normal, x its tangent; without one, frame_around(normal).
+Frame shading_frame(const Surface& surface, std::size_t vertex);
 
 /// The whole report: what prepare() counted, and the topology of the faces as filed (duplicate
 /// faces; non-manifold, boundary and inconsistently wound edges), by OpenMesh's half-edge

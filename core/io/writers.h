@@ -46,6 +46,18 @@ std::string write_npz(const LitMesh& lit);
 std::string write_png(int width, int height, std::span<const Rgb8> pixels,
                       std::span<const unsigned char> alpha = {});
 
+/// A plane of an EXR picture: 1 or 3 floats a pixel.
+struct ExrLayer {
+    std::string name;    ///< "" for the picture itself (R G B), else "standard_error" …
+    int components = 3;  ///< 3: suffixes R G B; 1: suffix Y, or A for the name "A"
+    std::span<const float> values;  ///< width * height * components, row 0 on top
+};
+
+/// OpenEXR, 32-bit float, ZIP-compressed, one part, layers as channels "name.R" …; linear Rec.709.
+/// `comments` become string attributes "comment_0" …. The same input gives the same bytes.
+std::string write_exr(int width, int height, std::span<const ExrLayer> layers,
+                      std::span<const std::string> comments);
+
 /// [[r,g,b],…] or [v,…] with the fewest digits that read back exactly, appended to `out`.
 void append_json(std::string& out, std::span<const float> values, int components);
 

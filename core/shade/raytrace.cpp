@@ -5,146 +5,175 @@
 #include <cmath>
 #include <limits>
 
+#include "core/shade/paths.h"
 #include "core/shade/pixel_samples.h"
-#include "core/transport/shadow.h"
 
 namespace relight {
 namespace {
 
-constexpr std::size_t rows = 4;  // of the image, between two looks at progress
+// Paths times lights (and eight for the rest of a path's work) that are followed together.
+constexpr std::size_t most_work = 32768;
 
-/// A point seen by the camera, ready to be lit.
-struct Seen {
-    Point3 position;
-    Dir3 wo;        // to the viewer
-    Dir3 ng;        // geometric normal, on the side of the shading normal
-    Dir3 n;         // shading normal
-    Point3 lifted;  // where shadow rays start before they step off the surface
-    double spacing{};
-    Rgb vertex_color = Rgb::grey(1.0);
-    bool lit = false;  // it has a side to be lit
+/// A picture in the making: all that its blocks share.
+struct Canvas {
+    const World& world;
+    const RaytraceOptions& options;
+    CameraAxes camera;
+    int side;  // of the grid of samples
+    Rendered& rendered;
+
+    std::size_t lights() const { return world.scene.lights.size(); }
+    std::size_t columns() const { return lights() + 1; }  // of sums: the last is no light's doing
+    std::size_t replicates() const { return static_cast<std::size_t>(side); }
+    std::size_t samples() const { return replicates() * replicates(); }
 };
 
-/// The tangent planes of the corners, interpolated: p + sum b_i max(0, (p_i - p) . n_i) n_i. Where
-/// a coarse mesh stands for a round one, shadow rays start from the round one. Contract section 7;
-/// Hanika 2021 ("Hacking the shadow terminator").
-Point3 onto_tangent_planes(Point3 p, const std::array<Point3, 3>& corner,
-                           const std::array<Dir3, 3>& normal, const std::array<double, 3>& b)
-{
-    Vec3 lift;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const double below = std::min(0.0, dot(p - corner[i], normal[i]));
-        lift += Vec3(normal[i]) * (-below * b[i]);
-    }
-    return p + lift;
-}
-
-void see_point(const Stage& stage, const Hit& hit, Seen& seen)
-{
-    seen.n = stage.surface->normals[hit.primitive];
-    seen.ng = seen.n;
-    seen.lifted = seen.position;
-    seen.spacing = static_cast<double>(stage.surface->spacing[hit.primitive]);
-    if (!stage.mesh->colors.empty()) {
-        seen.vertex_color = to_double(stage.mesh->colors[hit.primitive]);
-    }
-}
-
-void see_triangle(const Stage& stage, const Hit& hit, Terminator terminator, Seen& seen)
-{
-    const Triangle& t = stage.surface->triangles[hit.primitive];
-    const std::array<double, 3> b{1.0 - hit.u - hit.v, hit.u, hit.v};
-    std::array<Point3, 3> corner;
-    std::array<Dir3, 3> normal;
-    Vec3 n;
-    Rgb color;
-    seen.spacing = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i) {
-        corner[i] = stage.mesh->positions[t[i]];
-        normal[i] = stage.surface->normals[t[i]];
-        n += Vec3(normal[i]) * b[i];
-        if (!stage.mesh->colors.empty()) { color += to_double(stage.mesh->colors[t[i]]) * b[i]; }
-        seen.spacing = std::min(seen.spacing, static_cast<double>(stage.surface->spacing[t[i]]));
-    }
-    if (!stage.mesh->colors.empty()) { seen.vertex_color = color; }
-    seen.position = corner[0] + (corner[1] - corner[0]) * b[1] + (corner[2] - corner[0]) * b[2];
-    seen.ng = normalize(cross(corner[1] - corner[0], corner[2] - corner[0]));
-    seen.n = normalize(n);
-    if (!seen.n) { seen.n = seen.ng; }
-    if (dot(seen.ng, seen.n) < 0.0) {
-        seen.ng = -seen.ng;
-    }  // filed normals say which side is the front
-    seen.lifted = terminator == Terminator::Smooth
-                      ? onto_tangent_planes(seen.position, corner, normal, b)
-                      : seen.position;
-}
-
-Seen see(const Stage& stage, const Scene& scene, Point3 eye, Dir3 direction, const Hit& hit)
-{
-    Seen seen;
-    seen.wo = -direction;
-    seen.position = eye + Vec3(direction) * hit.distance;
-    if (hit.is_point) {
-        see_point(stage, hit, seen);
-    } else {
-        see_triangle(stage, hit, scene.transport.terminator, seen);
-    }
-    if (dot(seen.ng, seen.wo) < 0.0) {  // the camera sees the back: that side is lit and shown
-        seen.ng = -seen.ng;
-        seen.n = -seen.n;
-        seen.lifted = seen.position;
-    }
-    seen.lit = static_cast<bool>(seen.ng);
-    // An interpolated normal may lean away from a viewer who does see the surface: lean it back.
-    constexpr double least_cosine = 1e-3;
-    const double cos_o = dot(seen.n, seen.wo);
-    if (seen.lit && cos_o < least_cosine) {
-        seen.n = normalize(Vec3(seen.n) + Vec3(seen.wo) * (least_cosine - cos_o));
-    }
-    return seen;
-}
-
-/// The light of one pixel's samples: each term counts unless its shadow ray is blocked.
-struct PixelWork {
-    std::vector<ShadowRay> rays;
-    std::vector<Rgb> radiance;  // one a ray
-    std::vector<std::uint8_t> blocked;
-    Rgb unshadowed;  // from lights that need no ray
+/// One sample of a pixel on its way.
+struct CameraSample {
+    Rgb* sums;  // of its pixel and replicate, canvas.columns()
+    std::size_t pixel;
+    Sequence sequence;
+    std::uint32_t point;
 };
 
-void light_sample(const Stage& stage, const Scene& scene, const Seen& seen, PixelWork& work)
+/// Consecutive pixels and their samples.
+struct Block {
+    std::size_t begin = 0, end = 0;
+    std::vector<Rgb> sums;  // pixel x replicate x columns
+    std::vector<std::size_t> hits;
+    std::vector<Vec3> normals;
+    std::vector<CameraSample> samples;
+    std::vector<ShadowRay> rays;  // one a sample
+};
+
+Block aim(const Canvas& canvas, std::size_t begin, std::size_t end)
 {
-    const Frame frame = frame_around(seen.n);
-    const Vec3 wo = frame.to_local(seen.wo);
-    const Clearance clear = stage.bvh->clearance(seen.spacing);
-    for (const Light& light : scene.lights) {
-        if (!light.enabled) { continue; }
-        const Arrival arrival = arrive(light.shape, seen.position);
-        const double cos_i = dot(seen.n, arrival.wi);
-        if (!(cos_i > 0.0) || !(arrival.per_unit > 0.0)) { continue; }
-        const Irradiance E{light.power * (cos_i * per_unit_m2(arrival, scene.length_unit_m))};
-        const Radiance L = f(scene.material, frame.to_local(arrival.wi), wo, seen.vertex_color) * E;
-        if (!scene.transport.shadows || !light.cast_shadows) {
-            work.unshadowed += L.value;
-            continue;
+    const RaytraceOptions& options = canvas.options;
+    const Camera& camera = canvas.world.scene.camera;
+    const auto width = static_cast<std::size_t>(options.width);
+    Block block{begin, end, {}, {}, {}, {}, {}};
+    block.sums.resize((end - begin) * canvas.replicates() * canvas.columns());
+    block.hits.resize(end - begin);
+    block.normals.resize(end - begin);
+    block.samples.reserve((end - begin) * canvas.samples());
+    block.rays.reserve((end - begin) * canvas.samples());
+    PixelSamples places(canvas.side, options.seed);
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+        places.move_to(pixel);
+        for (int s = 0; s < static_cast<int>(canvas.samples()); ++s) {
+            const auto [dx, dy] = places.at(s);
+            const auto replicate = static_cast<std::size_t>(places.replicate(s));
+            const Dir3 direction = through_pixel(
+                canvas.camera, camera.fov_y, options.width, options.height,
+                static_cast<double>(pixel % width) + dx, static_cast<double>(pixel / width) + dy);
+            const std::size_t first =
+                ((pixel - begin) * canvas.replicates() + replicate) * canvas.columns();
+            block.samples.push_back({block.sums.data() + first, pixel,
+                                     Sequence(options.seed, pixel, 0, replicate),
+                                     static_cast<std::uint32_t>(places.row(s))});
+            block.rays.push_back(
+                {camera.eye, direction, 0.0, std::numeric_limits<double>::infinity()});
         }
-        const Point3 origin = seen.lifted + Vec3(seen.ng) * clear.offset;
-        work.rays.push_back(
-            shadow_ray(*stage.bvh, seen.position, origin, clear.from, arrival, scene.transport));
-        work.radiance.push_back(L.value);
+    }
+    return block;
+}
+
+/// What a camera ray sees of the lights themselves: those that stand before what it hit, and where
+/// it hit nothing the sky.
+void see_lights(const Canvas& canvas, const ShadowRay& ray, const Hit& hit, Rgb* sums)
+{
+    const World& world = canvas.world;
+    const bool missed = hit.primitive == ~0U;
+    const double margin = world.stage.bvh->clearance(0.0).offset;  // a light on a wall is before it
+    for (const Lamp& lamp : world.lamps) {
+        if (lamp.delta) { continue; }
+        const LightSample there = look(lamp.light->shape, ray.origin, ray.direction);
+        if (!there.wi) { continue; }
+        const bool seen = std::isfinite(there.distance)
+                              ? missed || there.distance <= hit.distance + margin
+                              : missed && !canvas.options.background;
+        if (seen) { sums[lamp.number] += there.L * lamp.light->power; }
+    }
+    if (missed && canvas.options.background) {
+        sums[canvas.lights()] += *canvas.options.background;
     }
 }
 
-/// Sum of what the shadow rays let through.
-Rgb collect(const Stage& stage, PixelWork& work)
+/// Camera rays, and the paths that start where they hit.
+void trace_block(const Canvas& canvas, Block& block, RayQueue& queue)
 {
-    work.blocked.assign(work.rays.size(), 0);
-    stage.bvh->occluded(work.rays, work.blocked);
-    Rgb sum = work.unshadowed;
-    for (std::size_t r = 0; r < work.rays.size(); ++r) {
-        if (work.blocked[r] == 0) { sum += work.radiance[r]; }
+    const World& world = canvas.world;
+    std::vector<Hit> hits(block.rays.size());
+    world.stage.bvh->nearest(block.rays, hits);
+    queue.count(block.rays.size());
+    std::vector<EyePath> paths;
+    paths.reserve(hits.size());
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+        const ShadowRay& ray = block.rays[i];
+        const CameraSample& sample = block.samples[i];
+        see_lights(canvas, ray, hits[i], sample.sums);
+        if (hits[i].primitive == ~0U) { continue; }
+        ++block.hits[sample.pixel - block.begin];
+        const auto seen = see(world.stage, world.scene, ray.origin, ray.direction, hits[i]);
+        if (!seen) { continue; }
+        block.normals[sample.pixel - block.begin] += seen->at.frame.n;
+        if (seen->front) { sample.sums[canvas.lights()] += emission(*seen->material, seen->wo.z); }
+        paths.push_back({*seen, Rgb::grey(1.0), sample.sums, sample.sequence, sample.point});
     }
-    return sum;
+    follow(world, std::move(paths), queue);
+}
+
+/// Standard error of the mean of samples that came in replicates of these sums.
+Rgb standard_error(const std::vector<Rgb>& sums, double samples)
+{
+    const auto n = static_cast<double>(sums.size());
+    Rgb sum, squares;
+    for (const Rgb& one : sums) {  // from the first one: no rounding where all are the same
+        const Rgb d = one - sums.front();
+        sum += d;
+        squares += d * d;
+    }
+    const double factor = student_factor(static_cast<unsigned>(sums.size()));
+    const auto root = [&](double total, double total_squares) {
+        const double variance = std::max(0.0, total_squares - total * total / n) / (n - 1.0);
+        return factor * std::sqrt(n * variance) / samples;
+    };
+    return {root(sum.r, squares.r), root(sum.g, squares.g), root(sum.b, squares.b)};
+}
+
+void settle(const Canvas& canvas, const Block& block)
+{
+    Rendered& to = canvas.rendered;
+    const auto samples = static_cast<double>(canvas.samples());
+    std::vector<Rgb> replicates(canvas.replicates());
+    for (std::size_t pixel = block.begin; pixel < block.end; ++pixel) {
+        const std::size_t i = pixel - block.begin;
+        const Rgb* sums = block.sums.data() + i * canvas.replicates() * canvas.columns();
+        const auto at = [&](std::size_t r, std::size_t column) {
+            return sums[r * canvas.columns() + column];
+        };
+        Rgb total;
+        for (std::size_t r = 0; r < canvas.replicates(); ++r) {
+            replicates[r] = {};
+            for (std::size_t c = 0; c < canvas.columns(); ++c) { replicates[r] += at(r, c); }
+            total += replicates[r];
+        }
+        const auto hits = static_cast<double>(block.hits[i]);
+        to.image.pixels[pixel] = to_float(total / samples);
+        to.image.coverage[pixel] = static_cast<float>(hits / samples);
+        if (!to.standard_error.empty()) {
+            to.standard_error[pixel] = to_float(standard_error(replicates, samples));
+        }
+        for (std::size_t l = 0; l < to.per_light.size(); ++l) {
+            Rgb one;
+            for (std::size_t r = 0; r < canvas.replicates(); ++r) { one += at(r, l); }
+            to.per_light[l][pixel] = to_float(one / samples);
+        }
+        if (!to.normal.empty()) {
+            const Vec3 n = block.normals[i] / std::max(1.0, hits);
+            to.normal[pixel] = to_float({n.x, n.y, n.z});
+        }
+    }
 }
 
 }  // namespace
@@ -152,54 +181,32 @@ Rgb collect(const Stage& stage, PixelWork& work)
 Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions& options,
                   Progress& progress)
 {
-    const int side = static_cast<int>(std::ceil(std::sqrt(options.samples)));
-    const int samples = side * side;
-    const CameraAxes camera = axes(scene.camera);
-    Rendered rendered;
-    Image& image = rendered.image;
-    image.width = options.width;
-    image.height = options.height;
     const std::size_t pixels =
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-    image.pixels.resize(pixels);
-    image.coverage.resize(pixels);
+    const World world(stage, scene);
+    Rendered rendered;
+    const Canvas canvas{world, options, axes(scene.camera),
+                        static_cast<int>(std::ceil(std::sqrt(options.samples))), rendered};
+    rendered.image.width = options.width;
+    rendered.image.height = options.height;
+    rendered.image.pixels.resize(pixels);
+    rendered.image.coverage.resize(pixels);
+    if (canvas.replicates() > 1) { rendered.standard_error.resize(pixels); }
+    if (options.per_light) {
+        rendered.per_light.assign(scene.lights.size(), std::vector<Rgbf>(pixels));
+    }
+    if (options.normal) { rendered.normal.resize(pixels); }
+    const std::size_t work = canvas.samples() * (canvas.lights() + 8);
     std::atomic<std::uint64_t> rays{0};
     progress.expect(pixels);
-
-    const auto render_pixel = [&](int x, int y, PixelSamples& places, PixelWork& work) {
-        const std::size_t at = image.at(x, y);
-        places.move_to(at);
-        work.rays.clear();
-        work.radiance.clear();
-        work.unshadowed = {};
-        int hits = 0;
-        for (int s = 0; s < samples; ++s) {
-            const auto [dx, dy] = places.at(s);
-            const Dir3 direction = through_pixel(camera, scene.camera.fov_y, options.width,
-                                                 options.height, x + dx, y + dy);
-            const Hit hit = stage.bvh->nearest(scene.camera.eye, direction);
-            if (hit.primitive == ~0U) { continue; }
-            ++hits;
-            const Seen seen = see(stage, scene, scene.camera.eye, direction, hit);
-            if (seen.lit) { light_sample(stage, scene, seen, work); }
-        }
-        rays += static_cast<std::uint64_t>(samples) + work.rays.size();
-        const double covered = static_cast<double>(hits) / samples;
-        const Rgb L = collect(stage, work) / samples + options.background * (1.0 - covered);
-        image.pixels[at] = to_float(L);
-        image.coverage[at] = static_cast<float>(covered);
-    };
-    parallel_for(static_cast<std::size_t>(options.height), rows, options.threads, progress,
+    parallel_for(pixels, std::max<std::size_t>(1, most_work / work), options.threads, progress,
                  [&](std::size_t begin, std::size_t end) {
-                     PixelWork work;
-                     PixelSamples places(side, options.seed);
-                     for (std::size_t y = begin; y < end; ++y) {
-                         if (progress.stopped()) { return; }
-                         for (int x = 0; x < options.width; ++x) {
-                             render_pixel(x, static_cast<int>(y), places, work);
-                         }
-                         progress.advance(static_cast<std::uint64_t>(options.width));
-                     }
+                     Block block = aim(canvas, begin, end);
+                     RayQueue queue(*stage.bvh);
+                     trace_block(canvas, block, queue);
+                     settle(canvas, block);
+                     rays += queue.traced();
+                     progress.advance(end - begin);
                  });
     rendered.rays = rays;
     return rendered;

@@ -19,7 +19,7 @@ struct ShadowRay {
     double distance{};  ///< nothing beyond it does, scene units; infinite is allowed
 };
 
-/// What a camera ray meets first.
+/// What a ray meets first.
 struct Hit {
     double distance{};          ///< scene units
     std::uint32_t primitive{};  ///< triangle of the Surface, or point of the cloud
@@ -36,9 +36,10 @@ struct Clearance {
 
 /// Embree's acceleration structure over a surface's triangles, or over its points as oriented discs
 /// when it has no triangles. Coordinates are recentred and scaled to the unit box (a power of two)
-/// in double before they become float, so position and size of the model do not matter. Immutable;
-/// any number of threads may ask at once. Rays must be finite. Mesh and surface must outlive it
-/// (Stage).
+/// in double before they become float, so position and size of the model do not matter. Where
+/// floats cannot tell on which side of a triangle a ray begins or ends, doubles do, so that a
+/// millimetre beside a wall of kilometres is a millimetre. Immutable; any number of threads may ask
+/// at once. Rays must be finite. Mesh and surface must outlive it (Stage).
 class Bvh {
   public:
     /// @param point_radius_scale radius of a cloud's discs in units of the local spacing
@@ -50,8 +51,17 @@ class Bvh {
     /// blocked[i] = 1 where anything stands in the way of rays[i]. Robust; two-sided occluders.
     void occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> blocked) const;
 
-    /// The nearest thing from origin along direction; primitive ~0 if none.
-    Hit nearest(Point3 origin, Dir3 direction) const;
+    /// The nearest thing along direction further than `from` from the origin; primitive ~0 if none.
+    Hit nearest(Point3 origin, Dir3 direction, double from = 0.0) const;
+
+    /// hits[i] = the nearest thing on rays[i], the same as asked for one by one.
+    void nearest(std::span<const ShadowRay> rays, std::span<Hit> hits) const;
+
+    /// Whether nothing that casts shadows rises above the plane through p with normal n by more
+    /// than `margin` [scene units]: a receiver there sees its whole hemisphere and needs no rays.
+    /// May answer no where a ray would find nothing; never yes where something rises (to within a
+    /// rounding of double).
+    bool open_above(Point3 p, Dir3 n, double margin) const;
 
     /// What a receiver with this spacing keeps clear of, so that it does not shadow itself.
     Clearance clearance(double spacing) const;

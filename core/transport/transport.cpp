@@ -1,87 +1,109 @@
 #include "core/transport/transport.h"
 
+#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <span>
 
-#include "core/transport/shadow.h"
+#include "core/transport/column.h"
 
 namespace relight {
 namespace {
 
-constexpr std::size_t block = 2048;  // vertices between two looks at progress
+constexpr std::size_t delta_block = 2048;   // vertices between two looks at progress
+constexpr std::size_t sampled_block = 128;  // the same, of many rays each
 
-/// Fills one range of a column; returns the rays traced.
-std::uint64_t fill(const Stage& stage, const Light& light, const TransportOptions& options,
-                   double length_unit_m, std::size_t begin, std::span<float> E,
-                   std::span<std::uint8_t> visible)
+/// Copies a block's values into the whole column's.
+template <class T>
+void place(std::vector<T>& whole, const std::vector<T>& part, std::size_t begin, std::size_t count)
 {
-    const Surface& surface = *stage.surface;
-    std::vector<ShadowRay> rays;
-    std::vector<std::size_t> receiver;
-    for (std::size_t i = 0; i < E.size(); ++i) {
-        E[i] = 0.0F;
-        visible[i] = 0;
-        const Dir3 n = surface.normals[begin + i];
-        if (!n) { continue; }
-        const Point3 p = stage.mesh->positions[begin + i];
-        const Arrival arrival = arrive(light.shape, p);
-        const double cos_n = dot(n, arrival.wi);
-        const double cos_i = options.two_sided ? std::abs(cos_n) : cos_n;
-        if (!(cos_i > 0.0)) { continue; }  // behind the surface: no light, no ray
-        E[i] = static_cast<float>(cos_i * per_unit_m2(arrival, length_unit_m));
-        visible[i] = 1;
-        if (!options.shadows || !light.cast_shadows) { continue; }
-        const Clearance clear =
-            stage.bvh->clearance(static_cast<double>(surface.spacing[begin + i]));
-        const Vec3 step = Vec3(n) * std::copysign(clear.offset, cos_n);
-        rays.push_back(shadow_ray(*stage.bvh, p, p + step, clear.from, arrival, options));
-        receiver.push_back(i);
-    }
-    std::vector<std::uint8_t> blocked(rays.size());
-    stage.bvh->occluded(rays, blocked);
-    for (std::size_t r = 0; r < rays.size(); ++r) {
-        if (blocked[r] == 0) { continue; }
-        E[receiver[r]] = 0.0F;
-        visible[receiver[r]] = 0;
-    }
-    return rays.size();
+    const std::size_t width = part.size() / count;
+    std::copy(part.begin(), part.end(), whole.begin() + static_cast<std::ptrdiff_t>(begin * width));
+}
+
+Column block_of(const Source& source, bool radiance, std::span<const std::uint32_t> materials,
+                std::size_t begin, std::size_t end)
+{
+    Column column = direct_and_bounced(source, begin, end);
+    if (radiance && needs_radiance(source)) { add_radiance(source, materials, begin, end, column); }
+    return column;
+}
+
+std::shared_ptr<const Column> whole_column(const Source& source, bool radiance,
+                                           std::span<const std::uint32_t> materials,
+                                           unsigned threads, Progress& progress)
+{
+    const std::size_t vertices = source.stage.mesh->positions.size();
+    const bool bounces = source.scene.transport.bounces > 0;
+    const bool sampled = bounces || !is_delta(source.light.shape);
+    // An empty block says which arrays there are.
+    auto whole = std::make_shared<Column>(direct_and_bounced(source, 0, 0));
+    whole->E.resize(vertices * whole->bands);
+    whole->visible.resize(vertices);
+    if (bounces) { whole->E_bounced.resize(vertices * 3); }
+    if (sampled) { whole->standard_error.resize(vertices * (bounces ? 3 : whole->bands)); }
+    if (radiance && needs_radiance(source)) { whole->Lo.resize(vertices * 3); }
+    std::atomic<std::uint64_t> rays{0};
+    parallel_for(vertices, sampled ? sampled_block : delta_block, threads, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                     const std::size_t count = end - begin;
+                     const Column part = block_of(source, radiance, materials, begin, end);
+                     place(whole->E, part.E, begin, count);
+                     place(whole->visible, part.visible, begin, count);
+                     place(whole->E_bounced, part.E_bounced, begin, count);
+                     place(whole->standard_error, part.standard_error, begin, count);
+                     place(whole->Lo, part.Lo, begin, count);
+                     rays += part.rays;
+                     progress.advance(count);
+                 });
+    whole->rays = rays;
+    return whole;
+}
+
+void add_sky_visibility(const Stage& stage, const Scene& scene, const TransportWanted& wanted,
+                        Transport& transport, Progress& progress)
+{
+    const std::size_t vertices = stage.mesh->positions.size();
+    transport.ambient_occlusion.resize(vertices);
+    if (wanted.sh) { transport.sh.resize(9 * vertices); }
+    std::atomic<std::uint64_t> rays{0};
+    parallel_for(vertices, sampled_block, wanted.threads, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                     const SkyVisibility sky = sky_visibility(stage, scene, wanted.sh, begin, end);
+                     place(transport.ambient_occlusion, sky.ambient_occlusion, begin, end - begin);
+                     place(transport.sh, sky.sh, begin, end - begin);
+                     rays += sky.rays;
+                     progress.advance(end - begin);
+                 });
+    transport.rays += rays;
 }
 
 }  // namespace
 
-Column direct_column(const Stage& stage, const Light& light, const TransportOptions& options,
-                     double length_unit_m, std::size_t begin, std::size_t end)
+Column column(const Stage& stage, const Scene& scene, std::size_t light, bool radiance,
+              std::size_t begin, std::size_t end, std::span<const std::uint32_t> materials)
 {
-    Column column{std::vector<float>(end - begin), std::vector<std::uint8_t>(end - begin), 0};
-    column.rays = fill(stage, light, options, length_unit_m, begin, column.E, column.visible);
-    return column;
+    return block_of(Source{stage, scene, scene.lights[light], light}, radiance, materials, begin,
+                    end);
 }
 
-Transport trace(const Stage& stage, const Scene& scene, unsigned threads, Progress& progress)
+Transport trace(const Stage& stage, const Scene& scene, const TransportWanted& wanted,
+                Progress& progress)
 {
     const std::size_t vertices = stage.mesh->positions.size();
+    const bool sky = wanted.ambient_occlusion || wanted.sh;
+    const auto materials = vertex_materials(stage, scene);
     Transport transport;
-    progress.expect(vertices * scene.lights.size());
-    for (const Light& light : scene.lights) {
-        if (!light.enabled) {
+    progress.expect(vertices * (scene.lights.size() + (sky ? 1 : 0)));
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) {
+        if (!scene.lights[l].enabled) {
             transport.columns.push_back(nullptr);
             continue;
         }
-        const auto column = std::make_shared<Column>(
-            Column{std::vector<float>(vertices), std::vector<std::uint8_t>(vertices), 0});
-        std::atomic<std::uint64_t> rays{0};
-        parallel_for(vertices, block, threads, progress, [&](std::size_t begin, std::size_t end) {
-            const std::size_t count = end - begin;
-            rays += fill(stage, light, scene.transport, scene.length_unit_m, begin,
-                         std::span(column->E).subspan(begin, count),
-                         std::span(column->visible).subspan(begin, count));
-            progress.advance(count);
-        });
-        column->rays = rays;
-        transport.rays += column->rays;
-        transport.columns.push_back(column);
+        const Source source{stage, scene, scene.lights[l], l};
+        transport.columns.push_back(
+            whole_column(source, wanted.radiance, materials, wanted.threads, progress));
+        transport.rays += transport.columns.back()->rays;
     }
+    if (sky) { add_sky_visibility(stage, scene, wanted, transport, progress); }
     return transport;
 }
 

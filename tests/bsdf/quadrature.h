@@ -48,12 +48,12 @@ double over_facets(G g, double scale, int turns = 64, double step = 0.1)
 
 /// Integral of g(x) dx over [a, b]: Gauss-Legendre of 5 points on each of `panels` equal parts.
 template <class G>
-double over_interval(G g, double a, double b, int panels)
+auto over_interval(G g, double a, double b, int panels)
 {
     constexpr double x[] = {0.0, 0.5384693101056831, 0.9061798459386640};
     constexpr double w[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
     const double half = 0.5 * (b - a) / panels;
-    double sum = 0.0;
+    decltype(g(a)) sum{};  // of numbers or of colours
     for (int i = 0; i < panels; ++i) {
         const double mid = a + half * (2 * i + 1);
         sum += w[0] * g(mid);

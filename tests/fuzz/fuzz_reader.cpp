@@ -4,10 +4,12 @@
 #include <cstdlib>
 #include <string>
 
+#include "tests/io/photometry_checks.h"
 #include "tests/io/reader_checks.h"
 
 /// libFuzzer's entry for one reader, which the build names: whatever the bytes, it answers with a
-/// mesh that keeps every promise of mesh.h or with an error that says where.
+/// mesh, picture or profile that keeps every promise of its header, or with an error that says
+/// where.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
                                       std::size_t size);  // its name, not ours
 

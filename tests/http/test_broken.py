@@ -51,4 +51,5 @@ def test_refused_files_leave_nothing(start, tmp_path):
             upload(server, path.read_bytes())
     assert call(server, "GET", "/v1/meshes").json()["meshes"] == []
     store = next(path for path in tmp_path.iterdir() if path.is_dir())
-    assert [path.name for path in store.iterdir()] == ["lock"]
+    left = {str(path.relative_to(store)) for path in store.rglob("*") if path.is_file()}
+    assert left == {"lock", "environments/lock", "profiles/lock"}

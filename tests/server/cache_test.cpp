@@ -42,7 +42,7 @@ TEST(StageCache, BuildsAStageOnceForAllWhoAskAtOnce)
     threads.reserve(8);
     for (int i = 0; i < 8; ++i) {
         threads.emplace_back([&] {
-            const auto stage = cache.stage("a", [&] {
+            const auto stage = cache.get("a", [&] {
                 ++builds;
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
                 return triangle();
@@ -61,14 +61,14 @@ TEST(StageCache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
     Builder a;
     Builder b;
     Builder c;
-    for (int i = 0; i < 2; ++i) { ASSERT_TRUE(cache.stage("a", a())); }
-    ASSERT_TRUE(cache.stage("b", b()));
-    ASSERT_TRUE(cache.stage("a", a()));
-    ASSERT_TRUE(cache.stage("c", c()));  // b goes: a was used after it
+    for (int i = 0; i < 2; ++i) { ASSERT_TRUE(cache.get("a", a())); }
+    ASSERT_TRUE(cache.get("b", b()));
+    ASSERT_TRUE(cache.get("a", a()));
+    ASSERT_TRUE(cache.get("c", c()));  // b goes: a was used after it
     EXPECT_LE(cache.bytes(), 2 * one + one / 2);
-    ASSERT_TRUE(cache.stage("a", a()));
+    ASSERT_TRUE(cache.get("a", a()));
     EXPECT_EQ(a.builds, 1);
-    ASSERT_TRUE(cache.stage("b", b()));
+    ASSERT_TRUE(cache.get("b", b()));
     EXPECT_EQ(b.builds, 2);
 }
 
@@ -76,20 +76,20 @@ TEST(StageCache, DoesNotKeepWhatFailedToBuild)
 {
     StageCache cache(1U << 30U);
     const auto fail = []() -> Result<Stage> { return Error{Fault::NoGeometry, "x", {}, {}, {}}; };
-    EXPECT_FALSE(cache.stage("a", fail));
-    EXPECT_THROW(static_cast<void>(cache.stage("a", []() -> Result<Stage> { throw 1; })), int);
+    EXPECT_FALSE(cache.get("a", fail));
+    EXPECT_THROW(static_cast<void>(cache.get("a", []() -> Result<Stage> { throw 1; })), int);
     EXPECT_EQ(cache.bytes(), 0U);
-    EXPECT_TRUE(cache.stage("a", triangle));
+    EXPECT_TRUE(cache.get("a", triangle));
 }
 
 TEST(StageCache, ForgetsEveryStageOfAMesh)
 {
     StageCache cache(1U << 30U);
     Builder built;
-    for (const char* key : {"m 1", "m 2", "n 1"}) { ASSERT_TRUE(cache.stage(key, built())); }
+    for (const char* key : {"m 1", "m 2", "n 1"}) { ASSERT_TRUE(cache.get(key, built())); }
     cache.forget("m");
     EXPECT_EQ(cache.bytes(), bytes_of(*triangle()));
-    ASSERT_TRUE(cache.stage("n 1", built()));
+    ASSERT_TRUE(cache.get("n 1", built()));
     EXPECT_EQ(built.builds, 3);
 }
 

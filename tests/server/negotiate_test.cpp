@@ -12,6 +12,8 @@ TEST(Negotiate, TakesTheFormatOfGreatestWeight)  // RFC 9110, 12.5.1
     EXPECT_EQ(format_accepted("*/*"), Format::Ply);
     EXPECT_EQ(format_accepted("application/json"), Format::Json);
     EXPECT_EQ(format_accepted("image/*"), Format::Png);
+    EXPECT_EQ(format_accepted("image/x-exr, image/png;q=0.9"), Format::Exr);
+    EXPECT_EQ(format_accepted("image/png;q=0, image/*;q=0.5"), Format::Exr);
     EXPECT_EQ(format_accepted("application/json;q=0.5, image/png;q=0.8"), Format::Png);
     EXPECT_EQ(format_accepted("text/html, application/x-npz;q=0.2"), Format::Npz);
     EXPECT_EQ(format_accepted("application/json, */*;q=0.1"), Format::Json);
@@ -19,6 +21,14 @@ TEST(Negotiate, TakesTheFormatOfGreatestWeight)  // RFC 9110, 12.5.1
               Format::Json);
     EXPECT_FALSE(format_accepted("text/html"));
     EXPECT_FALSE(format_accepted("application/json;q=0"));
+}
+
+TEST(Negotiate, SendsEachFormatAsATypeThatAsksForIt)
+{
+    for (const Format format : {Format::Ply, Format::Json, Format::Npz, Format::Png, Format::Exr}) {
+        EXPECT_EQ(format_accepted(media_type(format)), format) << media_type(format);
+    }
+    EXPECT_EQ(media_type(Format::PlyAscii), media_type(Format::Ply));
 }
 
 TEST(Negotiate, SeesWhoTakesGzip)

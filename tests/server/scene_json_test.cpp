@@ -93,13 +93,13 @@ TEST(SceneJson, NamesLightsByTheirPlace)
 
 TEST(SceneJson, ReadsMaterials)
 {
-    EXPECT_EQ(std::get<Lambert>(parsed(with(R"("lights":[])")).scene.material).albedo,
+    EXPECT_EQ(std::get<Lambert>(parsed(with(R"("lights":[])")).scene.materials[0]).albedo,
               Rgb::grey(0.8));
     const auto vertex = parsed(with(R"("material":{"model":"lambert","albedo":"vertex"})"));
-    EXPECT_TRUE(std::get<Lambert>(vertex.scene.material).albedo_from_vertex);
+    EXPECT_TRUE(std::get<Lambert>(vertex.scene.materials[0]).albedo_from_vertex);
     const auto metal = parsed(with(R"("material":{"model":"cook_torrance","albedo":[0,0,0],
         "eta":[0.2,0.9,1.4],"k":[3.9,2.5,1.9],"roughness":0.5,"distribution":"beckmann"})"));
-    const auto& facets = std::get<CookTorrance>(metal.scene.material);
+    const auto& facets = std::get<CookTorrance>(metal.scene.materials[0]);
     EXPECT_EQ(facets.distribution, Distribution::Beckmann);
     EXPECT_EQ(facets.alpha_x, 0.25);  // roughness squared
     EXPECT_EQ(std::get<ConductorEtaK>(facets.fresnel).k, (Rgb{3.9, 2.5, 1.9}));
@@ -129,33 +129,61 @@ TEST(SceneJson, ReadsTheRest)
     EXPECT_EQ(request.output.format, Format::Png);
     EXPECT_EQ(request.output.width, 10);
     EXPECT_EQ(request.output.renderer, Renderer::Vtk);
-    EXPECT_FALSE(request.output.background);
+    EXPECT_TRUE(request.output.transparent);
 }
 
-TEST(SceneJson, TheDefaultSunShinesOverTheViewersShoulder)
+TEST(SceneJson, DrawsMoreSamplesWhenItHasATarget)
 {
-    const auto request = parsed(R"({"mesh":{"positions":[[0,0,0]]}})");
-    const auto scene = complete(request, {{-1, -1, -1}, {1, 1, 1}});
-    ASSERT_TRUE(scene);
-    ASSERT_EQ(scene->lights.size(), 1U);
-    const Dir3 travel = std::get<DirectionalLight>(scene->lights[0].shape).travel;
-    EXPECT_GT(dot(travel, normalize(scene->camera.target - scene->camera.eye)), 0.5);
-    EXPECT_LT(dot(travel, axes(scene->camera).up), 0.0);
+    const auto transport = [](const std::string& fields) {
+        return parsed(with(R"("transport":{)" + fields + "}")).scene.transport;
+    };
+    EXPECT_EQ(transport("").samples, 64U);
+    EXPECT_FALSE(transport("").target_standard_error);
+    EXPECT_EQ(transport(R"("samples":7,"target_standard_error":null)").samples, 7U);
+    EXPECT_EQ(transport(R"("target_standard_error":0.5)").samples, 4096U);
+    EXPECT_EQ(transport(R"("target_standard_error":0.5)").target_standard_error, 0.5);
+    EXPECT_EQ(transport(R"("target_standard_error":0.5,"samples":65536)").samples, 65536U);
+    EXPECT_EQ(transport(R"("bounces":64)").bounces, 64U);
 }
 
-TEST(SceneJson, NoLightIsNotTheDefaultLight)
+TEST(SceneJson, ReadsEachQuantityAsItself)
 {
-    const auto scene = complete(parsed(with(R"("lights":[])")), {{-1, -1, -1}, {1, 1, 1}});
-    ASSERT_TRUE(scene);
-    EXPECT_TRUE(scene->lights.empty());
+    const std::pair<std::string, bool Quantities::*> all[] = {
+        {"color", &Quantities::color},
+        {"irradiance", &Quantities::irradiance},
+        {"radiance", &Quantities::radiance},
+        {"ambient_occlusion", &Quantities::ambient_occlusion},
+        {"visibility", &Quantities::visibility},
+        {"normal", &Quantities::normal},
+        {"standard_error", &Quantities::standard_error},
+        {"per_light", &Quantities::per_light},
+        {"sh", &Quantities::sh}};
+    for (const auto& [name, asked] : all) {
+        const Output output = parsed(with(R"("output":{"quantities":[")" + name + R"("]})")).output;
+        EXPECT_TRUE(output.names_quantities);
+        for (const auto& [other, member] : all) {
+            EXPECT_EQ(output.quantities.*member, member == asked) << name << ' ' << other;
+        }
+    }
+    for (const char* silent : {R"("output":{"format":"exr"})", R"("lights":[])"}) {
+        const Output output = parsed(with(silent)).output;
+        EXPECT_TRUE(output.quantities.color);
+        EXPECT_FALSE(output.names_quantities);
+    }
 }
 
-TEST(SceneJson, ACameraOnItsTargetSeesNothing)
+TEST(SceneJson, TellsATransparentBackgroundFromNone)
 {
-    const auto request = parsed(with(R"("camera":{"eye":[0,0,0]})"));
-    const auto scene = complete(request, {{-1, -1, -1}, {1, 1, 1}});
-    ASSERT_FALSE(scene);
-    EXPECT_EQ(scene.error().pointer, "/camera/eye");
+    const auto output = [](const std::string& fields) {
+        return parsed(with(R"("output":{"format":"exr")" + fields + "}")).output;
+    };
+    EXPECT_EQ(output("").format, Format::Exr);
+    EXPECT_FALSE(output("").background);
+    EXPECT_FALSE(output("").transparent);
+    EXPECT_TRUE(output(R"(,"background":"transparent")").transparent);
+    EXPECT_FALSE(output(R"(,"background":"transparent")").background);
+    EXPECT_EQ(output(R"(,"background":[0,1,2])").background, (Rgb{0, 1, 2}));
+    EXPECT_FALSE(output(R"(,"background":[0,1,2])").transparent);
 }
 
 }  // namespace

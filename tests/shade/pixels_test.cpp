@@ -124,7 +124,7 @@ TEST(Pixels, AreAveragesOfRadianceOverTheirFootprint)
         const Mesh ground = test::moved(test::grid(1), test::upright(), 2000.0, {});
         Scene scene;
         scene.camera = camera_of(c["camera"]);
-        scene.material = Lambert{Rgb::grey(c["albedo"].get<double>())};
+        scene.materials[0] = Lambert{Rgb::grey(c["albedo"].get<double>())};
         scene.lights = {test::light_of(PointLight{point_of(c["point_light"]["position"]), {}},
                                        Rgb::grey(c["point_light"]["intensity"].get<double>()))};
         const Stage stage = test::staged(ground);

@@ -23,8 +23,9 @@ Lit lit(Mesh mesh, const Scene& scene, unsigned threads = 2)
     Progress progress;
     Lit result;
     result.stage = staged(std::move(mesh));
-    result.transport = trace(result.stage, scene, threads, progress);
-    result.shaded = shade(result.stage, result.transport, scene, {true, true, threads}, progress);
+    result.transport = trace(result.stage, scene, {true, false, false, threads}, progress);
+    result.shaded =
+        shade(result.stage, result.transport, scene, {true, true, true, threads}, progress);
     return result;
 }
 
@@ -33,7 +34,7 @@ Scene sun_and_lamp()
     Scene scene;
     scene.lights = {light_of(DirectionalLight{normalize({0.1, 0.3, -1})}, {3, 2, 1}),
                     light_of(PointLight{{0.4, 0.1, 1.5}, {}}, {5, 5, 9})};
-    scene.material = Lambert{{0.8, 0.5, 0.2}};
+    scene.materials[0] = Lambert{{0.8, 0.5, 0.2}};
     return scene;
 }
 
@@ -89,7 +90,7 @@ TEST(Shade, TheColoursOfAVertexAreItsAlbedoWhenAskedFor)
     Scene scene = sun_and_lamp();
     Lambert material;
     material.albedo_from_vertex = true;
-    scene.material = material;
+    scene.materials[0] = material;
     const Lit a = lit(mesh, scene);
     EXPECT_GT(a.shaded.radiance[0][0], 0.0F);
     EXPECT_EQ(a.shaded.radiance[0][1], 0.0F);
@@ -116,7 +117,7 @@ TEST(Shade, AGlossyHighlightStandsWhereTheMirrorSaysItDoes)
     scene.lights = {light_of(PointLight{{-0.5, 0, 1}, {}}, Rgb::grey(10))};
     scene.view = CameraView{};
     scene.camera.eye = {0.5, 0, 1};
-    scene.material = Lambert{};
+    scene.materials[0] = Lambert{};
     const auto brightest = [&](const Scene& s) {
         const Lit a = lit(test::grid(n), s);
         std::size_t best = 0;
@@ -128,7 +129,7 @@ TEST(Shade, AGlossyHighlightStandsWhereTheMirrorSaysItDoes)
     EXPECT_LT(brightest(scene).x, -0.4);  // diffuse: below the lamp
     CookTorrance mirror;
     mirror.alpha_x = mirror.alpha_y = 0.05;
-    scene.material = mirror;
+    scene.materials[0] = mirror;
     EXPECT_NEAR(brightest(scene).x, 0.0, 0.06);  // glossy: half-way to the viewer
 }
 
@@ -233,7 +234,7 @@ TEST(Raytrace, TheBackgroundShowsOnlyWhereNothingIs)
     const Stage stage = staged(test::grid(2));
     Scene scene;
     scene.camera = {{1, 0, 3}, {1, 0, 0}, {0, 1, 0}, 0.3};  // the grid ends in the middle
-    const Image image = render(stage, scene, {9, 5, 16, {0.2, 0.4, 0.6}, 0, 1}).image;
+    const Image image = render(stage, scene, {9, 5, 16, Rgb{0.2, 0.4, 0.6}, 0, 1}).image;
     EXPECT_EQ(image.pixels[image.at(8, 2)], to_float({0.2, 0.4, 0.6}));
     EXPECT_EQ(image.pixels[image.at(0, 2)], (Rgbf{0, 0, 0}));  // no light: black, and opaque
     EXPECT_NEAR(static_cast<double>(image.pixels[image.at(4, 2)][1]), 0.2, 0.04);

@@ -1,43 +1,9 @@
-#include "core/trace/bvh.h"
-
-#include <gtest/gtest.h>
-
-#include <limits>
-
-#include "tests/shapes.h"
+#include "tests/trace/model.h"
 
 namespace relight {
 namespace {
 
-constexpr double far = std::numeric_limits<double>::infinity();
-
-struct Model {
-    Mesh mesh;
-    Surface surface;
-    Bvh bvh;
-
-    explicit Model(Mesh m) : mesh(std::move(m)), surface(prepared(mesh)), bvh(mesh, surface) {}
-    static Surface prepared(const Mesh& mesh)
-    {
-        Progress progress;
-        return prepare(mesh, 1, progress);
-    }
-
-    bool blocked(const ShadowRay& ray) const
-    {
-        std::uint8_t answer = 2;
-        bvh.occluded({&ray, 1}, {&answer, 1});
-        return answer == 1;
-    }
-
-    /// The receiver at vertex v as transport makes it.
-    ShadowRay from_vertex(std::size_t v, Dir3 toward) const
-    {
-        const Clearance clear = bvh.clearance(static_cast<double>(surface.spacing[v]));
-        return {mesh.positions[v] + Vec3(surface.normals[v]) * clear.offset, toward, clear.from,
-                far};
-    }
-};
+using namespace test;
 
 /// A few hundred directions all around.
 std::vector<Dir3> directions(int count)

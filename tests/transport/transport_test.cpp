@@ -24,7 +24,9 @@ Scene scene_of(std::vector<Light> lights)
 Transport traced(const Stage& stage, const Scene& scene, unsigned threads = 2)
 {
     Progress progress;
-    return trace(stage, scene, threads, progress);
+    TransportWanted wanted;
+    wanted.threads = threads;
+    return trace(stage, scene, wanted, progress);
 }
 
 /// Of the floor below, which come first.
@@ -62,11 +64,18 @@ TEST(Transport, IsTheSameToTheBitOnAnyNumberOfThreads)
 TEST(Transport, AnyRangeOfVerticesGivesThatPartOfTheColumn)
 {
     const Stage stage = staged(ball_over_floor());
-    const Light light = three_lights()[0];
+    Scene scene = scene_of(three_lights());
+    scene.lights.push_back(light_of(SphereLight{{0.5, -0.8, 2.5}, 0.5}));
+    scene.transport.bounces = 1;
+    scene.transport.samples = 16;
     const std::size_t n = stage.mesh->positions.size();
-    const Column whole = direct_column(stage, light, {}, 1.0, 0, n);
-    const Column part = direct_column(stage, light, {}, 1.0, 100, 333);
-    EXPECT_TRUE(std::equal(part.E.begin(), part.E.end(), whole.E.begin() + 100));
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) {
+        const Column whole = column(stage, scene, l, false, 0, n);
+        const Column part = column(stage, scene, l, false, 100, 333);
+        EXPECT_TRUE(std::equal(part.E.begin(), part.E.end(), whole.E.begin() + 100));
+        EXPECT_TRUE(std::equal(part.E_bounced.begin(), part.E_bounced.end(),
+                               whole.E_bounced.begin() + 300));
+    }
 }
 
 TEST(Transport, ABallCastsAShadowOnTheFloorAndItsBackIsDark)
@@ -82,7 +91,7 @@ TEST(Transport, ABallCastsAShadowOnTheFloorAndItsBackIsDark)
             const double from_axis = std::hypot(p.x - 0.1, p.y - 0.2);
             const double edge = 3.0 * 0.4 / std::sqrt(2.3 * 2.3 - 0.4 * 0.4);
             if (from_axis < 0.97 * edge) { EXPECT_EQ(column.E[v], 0.0F) << from_axis; }
-            if (from_axis > 1.01 * edge) { EXPECT_EQ(column.visible[v], 1) << from_axis; }
+            if (from_axis > 1.01 * edge) { EXPECT_EQ(column.visible[v], 1.0F) << from_axis; }
         } else if (p.z < 0.7) {
             EXPECT_EQ(column.E[v], 0.0F);
         }
@@ -268,7 +277,7 @@ TEST(Transport, ALampThatTouchesAWallIsNotHiddenByIt)
         const auto index = static_cast<std::uint64_t>(i);
         const Point3 lamp{1.1, 2.0 * uniform(3, index, 0, 0) - 1.0, 0.2 + uniform(3, index, 0, 1)};
         const Transport transport = traced(stage, scene_of({light_of(PointLight{lamp, {}})}));
-        for (std::size_t v = 0; v < 49; ++v) { EXPECT_EQ(transport.columns[0]->visible[v], 1); }
+        for (std::size_t v = 0; v < 49; ++v) { EXPECT_EQ(transport.columns[0]->visible[v], 1.0F); }
     }
 }
 
@@ -302,8 +311,8 @@ TEST(Transport, ACloudOfTheBallCastsTheBallsShadow)
         traced(staged(cloud), scene_of({light_of(PointLight{{0.1, 0.2, 3.0}, {}})}));
     for (std::size_t v = 0; v < grid_vertices; ++v) {
         const double from_axis = std::hypot(cloud.positions[v].x - 0.1, cloud.positions[v].y - 0.2);
-        if (from_axis < 0.4) { EXPECT_EQ(transport.columns[0]->visible[v], 0) << from_axis; }
-        if (from_axis > 0.65) { EXPECT_EQ(transport.columns[0]->visible[v], 1) << from_axis; }
+        if (from_axis < 0.4) { EXPECT_EQ(transport.columns[0]->visible[v], 0.0F) << from_axis; }
+        if (from_axis > 0.65) { EXPECT_EQ(transport.columns[0]->visible[v], 1.0F) << from_axis; }
     }
 }
 
@@ -312,7 +321,7 @@ TEST(Transport, WorkStopsWhenAsked)
     const Stage stage = staged(ball_over_floor());
     Progress progress;
     progress.stop();
-    const Transport transport = trace(stage, scene_of(three_lights()), 2, progress);
+    const Transport transport = trace(stage, scene_of(three_lights()), {}, progress);
     EXPECT_EQ(transport.rays, 0U);
 }
 

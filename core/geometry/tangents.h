@@ -1,0 +1,14 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/geometry/surface.h"
+
+namespace relight {
+
+/// Surface::tangents from the mesh's texture coordinates (those of the corners, where it has them),
+/// for a surface with triangles and normals. Empty: the mesh has none.
+std::vector<std::array<float, 3>> tangents_of(const Mesh& mesh, const Surface& surface);
+
+}  // namespace relight

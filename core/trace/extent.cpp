@@ -1,0 +1,102 @@
+#include "core/trace/extent.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace relight {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t lattice_slabs = 13;  // 26 directions, a slab holds two
+
+}  // namespace
+
+Extent::Extent(std::span<const Dir3> favoured)
+{
+    // The later half of {-1, 0, 1}^3 in order; the earlier mirrors it.
+    for (int i = 14; i < 27; ++i) {
+        const int x = i / 9 - 1, y = i / 3 % 3 - 1, z = i % 3 - 1;
+        slabs_.push_back({Vec3{1.0 * x, 1.0 * y, 1.0 * z}, infinity, -infinity});
+    }
+    // Normals of one plane differ by roundings: a direction this close to one we have is that one.
+    constexpr double same = 1e-12;
+    for (const Dir3 n : favoured) {
+        if (slabs_.size() == lattice_slabs + most_favoured) { break; }
+        const auto is_same = [&](const Slab& s) {
+            return length(cross(s.along, n)) < same * length(s.along);
+        };
+        if (n && std::none_of(slabs_.rbegin(), slabs_.rend(), is_same)) {  // likely the last
+            slabs_.push_back({n, infinity, -infinity});
+        }
+    }
+}
+
+void Extent::add(Vec3 place, double radius, Dir3 normal)
+{
+    for (Slab& s : slabs_) {
+        const double at = dot(place, s.along);
+        // A disc reaches r sin(angle between its normal and the direction) to either side.
+        const double half = radius > 0.0 ? radius * length(cross(s.along, normal)) : 0.0;
+        s.least = std::min(s.least, at - half);
+        s.most = std::max(s.most, at + half);
+    }
+    radius_ = std::max(radius_, length(place) + radius);
+}
+
+double Extent::lattice_reach(const std::array<int, 3>& direction) const
+{
+    const int index = 9 * direction[0] + 3 * direction[1] + direction[2];  // -13 .. 13
+    if (index == 0) { return 0.0; }
+    const Slab& s = slabs_[static_cast<std::size_t>(std::abs(index) - 1)];
+    return index > 0 ? s.most : -s.least;
+}
+
+double Extent::reach(Dir3 n) const
+{
+    if (radius_ < 0.0) { return -infinity; }
+    // n = a axis + b edge + c corner, of lattice directions and with a, b, c >= 0: what reaches h_i
+    // along each d_i reaches no more than a h_1 + b h_2 + c h_3 along n.
+    const std::array<double, 3> v{n.x(), n.y(), n.z()};
+    std::array<std::size_t, 3> axes{0, 1, 2};
+    std::sort(axes.begin(), axes.end(),
+              [&](std::size_t i, std::size_t j) { return std::abs(v[i]) > std::abs(v[j]); });
+    std::array<int, 3> direction{};
+    double bound = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        direction[axes[k]] = v[axes[k]] < 0.0 ? -1 : 1;
+        const double next = k < 2 ? std::abs(v[axes[k + 1]]) : 0.0;
+        const double weight = std::abs(v[axes[k]]) - next;
+        if (weight > 0.0) { bound += weight * lattice_reach(direction); }
+    }
+    // dot(x, n) = dot(x, m) + dot(x, n - m)
+    for (std::size_t k = lattice_slabs; k < slabs_.size(); ++k) {
+        const Slab& s = slabs_[k];
+        bound = std::min({bound, s.most + radius_ * length(Vec3(n) - s.along),
+                          -s.least + radius_ * length(Vec3(n) + s.along)});
+    }
+    return bound;
+}
+
+Extent extent_of(const Mesh& mesh, const Surface& surface, Point3 centre, double point_radius_scale)
+{
+    Extent extent(surface.normals);
+    if (surface.triangles.empty()) {
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+            const double radius = point_radius_scale * static_cast<double>(surface.spacing[i]);
+            if (!surface.normals[i] || !(radius > 0.0)) { continue; }  // no disc, no shadow
+            extent.add(mesh.positions[i] - centre, radius, surface.normals[i]);
+        }
+    }
+    std::vector<bool> used(mesh.positions.size());
+    for (const Triangle& t : surface.triangles) {
+        for (const unsigned v : t) { used[v] = true; }
+    }
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        if (used[v]) { extent.add(mesh.positions[v] - centre); }
+    }
+    return extent;
+}
+
+}  // namespace relight

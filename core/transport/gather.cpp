@@ -1,0 +1,252 @@
+#include "core/transport/gather.h"
+
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/warp.h"
+
+namespace relight {
+namespace {
+
+// Pairs of dimensions of a sequence, by what they decide.
+enum Pair : std::uint32_t {
+    light_pair,
+    light_pick,
+    response_pair,
+    response_pick,
+    path_pair,
+    path_pick,
+    first_bounce,  // and three for each: where light is looked for, its pick, where the path goes
+};
+constexpr std::uint32_t pairs_per_bounce = 3;
+
+Rgb ratio(Rgb a, double b)
+{
+    return b > 0.0 && is_finite(b) ? a / b : Rgb{};
+}
+
+bool is_black(Rgb c)
+{
+    return !(c.r > 0.0 || c.g > 0.0 || c.b > 0.0);
+}
+
+/// The ray that says whether a light's sample is seen; toward a shining face it stops before it.
+ShadowRay ray_toward(const Source& source, const Receiver& receiver, const LightSample& there)
+{
+    const Bvh& bvh = *source.stage.bvh;
+    const bool on_mesh = std::holds_alternative<MeshLight>(source.light.shape);
+    const double distance = on_mesh ? short_of_face(bvh, there.distance) : there.distance;
+    return shadow_ray(bvh, receiver, there.wi, distance, source.scene.transport);
+}
+
+/// A sky that is found by looking about, not by drawing it.
+bool is_even_sky(const LightShape& shape)
+{
+    const auto* sky = std::get_if<EnvironmentLight>(&shape);
+    return sky != nullptr && (!sky->map || sky->map->is_even());
+}
+
+}  // namespace
+
+std::uint64_t key_of(const Receiver& receiver)
+{
+    std::uint64_t key = 0;
+    const Vec3 n = receiver.frame.n;
+    for (const double x : {receiver.p.x, receiver.p.y, receiver.p.z, n.x, n.y, n.z}) {
+        key = sobol::mix(key, std::bit_cast<std::uint64_t>(x + 0.0));  // -0 is 0
+    }
+    return key;
+}
+
+void RayQueue::give(const Deposit& deposit)
+{
+    *deposit.lit += deposit.value;
+    if (deposit.tally != nullptr) {
+        const double weight = luminance(deposit.value);
+        deposit.tally->open += weight;
+        deposit.tally->total += weight;
+    }
+}
+
+void RayQueue::flush()
+{
+    blocked_.assign(rays_.size(), 0);
+    bvh_.occluded(rays_, blocked_);
+    for (std::size_t r = 0; r < rays_.size(); ++r) {
+        const Deposit& deposit = deposits_[r];
+        if (deposit.tally != nullptr) { ++deposit.tally->rays; }
+        if (blocked_[r] == 0) {
+            give(deposit);
+        } else if (deposit.tally != nullptr) {
+            ++deposit.tally->blocked;
+            deposit.tally->total += luminance(deposit.value);
+        }
+    }
+    traced_ += rays_.size();
+    rays_.clear();
+    deposits_.clear();
+}
+
+Rgb Response::value(Vec3 wi) const
+{
+    if (two_sided_) { wi.z = std::abs(wi.z); }
+    if (!(wi.z > 0.0)) { return {}; }
+    return material_ == nullptr ? Rgb::grey(wi.z) : f(*material_, wi, wo_, color_).value * wi.z;
+}
+
+double Response::pdf(Vec3 wi) const
+{
+    if (two_sided_) { wi.z = std::abs(wi.z); }
+    const double above = material_ == nullptr ? warp::cosine_hemisphere_pdf(wi.z)
+                                              : relight::pdf(*material_, wi, wo_, color_);
+    return two_sided_ ? 0.5 * above : above;
+}
+
+Vec3 Response::sample(Sample2 s, Sample2 pick) const
+{
+    Vec3 wi = material_ == nullptr ? warp::cosine_hemisphere(s)
+                                   : relight::sample(*material_, wo_, color_, s, pick.u).wi;
+    if (two_sided_) { wi.z = std::copysign(wi.z, pick.v - 0.5); }
+    return wi;
+}
+
+void gather_direct(const Source& source, const Receiver& receiver, const Response& response,
+                   const Sequence& sequence, unsigned begin, unsigned end, bool closed, Rgb& lit,
+                   Rgb* all, Tally* tally, RayQueue& queue)
+{
+    const LightShape& shape = source.light.shape;
+    const auto* faces = std::get_if<MeshLight>(&shape);
+    const bool shadowed = source.shadowed();
+    // A face seen along a ray is the light only where the ray meets it first.
+    const bool response_only = is_even_sky(shape);
+    const bool light_only = (closed && !response_only) || (faces != nullptr && !shadowed);
+    const double share = light_only || response_only ? 1.0 : 0.5;  // of the points, each way
+    const auto density = [&](double by_light, double by_response) {
+        return (response_only ? 0.0 : share * by_light) + (light_only ? 0.0 : share * by_response);
+    };
+    const auto deposit = [&](const LightSample& there, Rgb value, bool from_light) {
+        if (is_black(value)) { return; }
+        if (all != nullptr) { *all += value; }
+        const Deposit one{&lit, from_light ? tally : nullptr, value};
+        if (!shadowed) { return RayQueue::give(one); }
+        queue.ask(ray_toward(source, receiver, there), one);
+    };
+    for (unsigned point = begin; point < end; ++point) {
+        // Each way takes the points of its sequence in their order: its own net.
+        const unsigned i = light_only || response_only ? point : point / 2;
+        if (!response_only && (light_only || point % 2 == 0)) {
+            const LightSample there =
+                sample(shape, receiver.p, sequence.at(i, light_pair), sequence.at(i, light_pick).u);
+            if (!there.wi) { continue; }
+            const Vec3 wi = receiver.frame.to_local(there.wi);
+            const double p = density(there.pdf, response.pdf(wi));
+            deposit(there, ratio(there.L * response.value(wi), p), true);
+            continue;
+        }
+        const Vec3 local =
+            response.sample(sequence.at(i, response_pair), sequence.at(i, response_pick));
+        const double by_response = response.pdf(local);
+        const Dir3 wi = normalize(receiver.frame.to_world(local));
+        if (!(by_response > 0.0) || !wi) { continue; }
+        LightSample there;
+        if (faces != nullptr) {
+            const ShadowRay ray =
+                shadow_ray(*source.stage.bvh, receiver, wi, std::numeric_limits<double>::infinity(),
+                           source.scene.transport);
+            const Hit hit = source.stage.bvh->nearest(ray.origin, ray.direction, ray.from);
+            queue.count(1);
+            if (hit.primitive == ~0U || hit.distance > ray.distance) { continue; }
+            there = faces->table->look(hit.primitive, receiver.p, wi);
+            const double p = density(there.pdf, by_response);
+            lit += ratio(there.L * response.value(local), p);
+            continue;
+        }
+        there = look(shape, receiver.p, wi);
+        const double p = density(there.pdf, by_response);
+        deposit(there, ratio(there.L * response.value(local), p), response_only);
+    }
+}
+
+namespace {
+
+/// Direct E at a bounce, from one draw of the light, times `weight`.
+void pick_up(const Source& source, const Path& path, Rgb weight, std::uint32_t pair,
+             RayQueue& queue)
+{
+    const LightShape& shape = source.light.shape;
+    const Receiver& at = path.at;
+    LightSample there;
+    Rgb E;
+    if (is_delta(shape)) {
+        const Arrival arrival = arrive(shape, at.p);
+        there.wi = arrival.wi;
+        there.distance = arrival.distance;
+        E = Rgb::grey(std::max(0.0, dot(at.ng, arrival.wi)) *
+                      per_unit_m2(arrival, source.scene.length_unit_m));
+    } else if (is_even_sky(shape)) {
+        const Vec3 local = warp::cosine_hemisphere(path.sequence.at(path.point, pair));
+        there = look(shape, at.p, normalize(at.frame.to_world(local)));
+        E = there.L * std::numbers::pi;
+    } else {
+        there = sample(shape, at.p, path.sequence.at(path.point, pair),
+                       path.sequence.at(path.point, pair + 1).u);
+        E = ratio(there.L * std::max(0.0, dot(at.ng, there.wi)), there.pdf);
+    }
+    const Deposit deposit{path.bounced, nullptr, weight * E};
+    if (!there.wi || is_black(deposit.value)) { return; }
+    if (!source.shadowed()) { return RayQueue::give(deposit); }
+    queue.ask(ray_toward(source, at, there), deposit);
+}
+
+}  // namespace
+
+void start_path(const Receiver& receiver, const Response& response, const Sequence& sequence,
+                unsigned point, Rgb& bounced, std::vector<Path>& paths)
+{
+    const Vec3 local =
+        response.sample(sequence.at(point, path_pair), sequence.at(point, path_pick));
+    const Rgb weight = ratio(response.value(local), response.pdf(local));
+    const Dir3 wi = normalize(receiver.frame.to_world(local));
+    if (is_black(weight) || !wi) { return; }
+    paths.push_back({receiver, wi, weight, &bounced, sequence, point});
+}
+
+void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue& queue)
+{
+    const Stage& stage = source.stage;
+    std::vector<ShadowRay> rays;
+    std::vector<Hit> hits;
+    for (unsigned bounce = 0; bounce < bounces && !paths.empty(); ++bounce) {
+        rays.clear();
+        for (const Path& path : paths) {
+            rays.push_back(shadow_ray(*stage.bvh, path.at, path.wi,
+                                      std::numeric_limits<double>::infinity(),
+                                      source.scene.transport));
+            rays.back().distance = std::numeric_limits<double>::infinity();
+        }
+        hits.resize(rays.size());
+        stage.bvh->nearest(rays, hits);
+        queue.count(rays.size());
+        std::vector<Path> on;
+        for (std::size_t i = 0; i < paths.size(); ++i) {
+            const Hit& hit = hits[i];
+            if (hit.primitive == ~0U) { continue; }
+            Path path = paths[i];
+            const Rgb rho = diffuse_albedo(material_at(stage, source.scene, hit.primitive),
+                                           color_at(stage, hit));
+            path.weight = path.weight * rho;
+            path.at = hit_receiver(stage, rays[i].origin, rays[i].direction, hit);
+            if (is_black(path.weight) || !path.at.ng) { continue; }
+            const std::uint32_t pair = first_bounce + bounce * pairs_per_bounce;
+            pick_up(source, path, path.weight * std::numbers::inv_pi, pair, queue);
+            const Vec3 local = warp::cosine_hemisphere(path.sequence.at(path.point, pair + 2));
+            path.wi = normalize(path.at.frame.to_world(local));
+            if (path.wi) { on.push_back(path); }
+        }
+        if (queue.full()) { queue.flush(); }
+        paths = std::move(on);
+    }
+}
+
+}  // namespace relight

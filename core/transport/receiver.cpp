@@ -1,0 +1,152 @@
+#include "core/transport/receiver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace relight {
+
+Receiver vertex_receiver(const Stage& stage, std::size_t vertex)
+{
+    const Surface& surface = *stage.surface;
+    const Point3 p = stage.mesh->positions[vertex];
+    const Dir3 n = surface.normals[vertex];
+    return {p, p, shading_frame(surface, vertex), n,
+            stage.bvh->clearance(static_cast<double>(surface.spacing[vertex]))};
+}
+
+Receiver hit_receiver(const Stage& stage, Point3 origin, Dir3 direction, const Hit& hit)
+{
+    const Surface& surface = *stage.surface;
+    Receiver receiver;
+    double spacing = 0.0;
+    if (hit.is_point) {
+        receiver.ng = surface.normals[hit.primitive];
+        spacing = static_cast<double>(surface.spacing[hit.primitive]);
+        receiver.p = origin + Vec3(direction) * hit.distance;
+    } else {
+        const Triangle& t = surface.triangles[hit.primitive];
+        const Point3 a = stage.mesh->positions[t[0]];
+        const Vec3 ab = stage.mesh->positions[t[1]] - a;
+        const Vec3 ac = stage.mesh->positions[t[2]] - a;
+        receiver.ng = normalize(cross(ab, ac));
+        spacing = static_cast<double>(
+            std::min({surface.spacing[t[0]], surface.spacing[t[1]], surface.spacing[t[2]]}));
+        receiver.p = a + ab * hit.u + ac * hit.v;
+    }
+    if (dot(receiver.ng, direction) > 0.0) { receiver.ng = -receiver.ng; }
+    receiver.lifted = receiver.p;
+    receiver.frame = frame_around(receiver.ng);
+    receiver.clear = stage.bvh->clearance(spacing);
+    return receiver;
+}
+
+ShadowRay shadow_ray(const Bvh& bvh, const Receiver& receiver, Dir3 wi, double distance,
+                     const TransportOptions& options)
+{
+    const double reach = options.max_distance.value_or(std::numeric_limits<double>::infinity());
+    const double side = std::copysign(receiver.clear.offset, dot(receiver.ng, wi));
+    const Point3 origin = receiver.lifted + Vec3(receiver.ng) * side;
+    if (!std::isfinite(distance)) { return {origin, wi, receiver.clear.from, reach}; }
+    const Vec3 to_light = receiver.p + Vec3(wi) * distance - origin;
+    const Dir3 aim = normalize(to_light);
+    // A light closer than the step itself is not behind anything.
+    if (!aim || dot(aim, wi) <= 0.0) { return {origin, wi, receiver.clear.from, 0.0}; }
+    const double short_of_light = length(to_light) - bvh.clearance(0.0).offset;
+    return {origin, aim, receiver.clear.from, std::max(0.0, std::min(reach, short_of_light))};
+}
+
+double short_of_face(const Bvh& bvh, double distance)
+{
+    constexpr double relative = 1e-5;  // some hundred roundings of a float distance
+    constexpr double steps_off = 1e3;  // and of a float coordinate: 1e-6 of the model
+    return std::max(
+        0.0, distance - std::max(relative * distance, steps_off * bvh.clearance(0.0).offset));
+}
+
+double per_unit_m2(const Arrival& arrival, double length_unit_m)
+{
+    return std::isinf(arrival.distance) ? arrival.per_unit
+                                        : arrival.per_unit / (length_unit_m * length_unit_m);
+}
+
+std::uint32_t material_index(const Scene& scene, const Mesh& mesh, std::size_t face)
+{
+    if (scene.material_of_group.empty() || mesh.face_materials.empty()) { return 0; }
+    return scene.material_of_group[mesh.face_materials[face]];
+}
+
+const Material& material_at(const Stage& stage, const Scene& scene, std::uint32_t primitive)
+{
+    const Surface& surface = *stage.surface;
+    if (surface.triangles.empty()) { return scene.materials.front(); }
+    const std::size_t face =
+        surface.triangle_face.empty() ? primitive : surface.triangle_face[primitive];
+    return scene.materials[material_index(scene, *stage.mesh, face)];
+}
+
+std::vector<std::uint32_t> vertex_materials(const Stage& stage, const Scene& scene)
+{
+    const Mesh& mesh = *stage.mesh;
+    if (scene.material_of_group.empty() || mesh.face_materials.empty()) { return {}; }
+    constexpr std::uint32_t none = ~0U;
+    std::vector<std::uint32_t> of(mesh.positions.size(), none);
+    for (std::size_t face = 0; face < mesh.faces.count(); ++face) {
+        const std::uint32_t index = material_index(scene, mesh, face);
+        for (std::size_t c = mesh.faces.begin(face); c < mesh.faces.end(face); ++c) {
+            std::uint32_t& own = of[mesh.faces.indices[c]];
+            if (own == none) { own = index; }
+        }
+    }
+    std::replace(of.begin(), of.end(), none, 0U);
+    return of;
+}
+
+namespace {
+
+/// Direction from p to the viewer; "no direction" where the viewer stands at p.
+Dir3 toward_viewer(const Scene& scene, Point3 p, Dir3 n)
+{
+    if (std::holds_alternative<CameraView>(scene.view)) { return normalize(scene.camera.eye - p); }
+    const auto* direction = std::get_if<DirectionView>(&scene.view);
+    return direction != nullptr ? direction->toward_viewer : n;
+}
+
+}  // namespace
+
+std::optional<SeenVertex> seen_vertex(const Stage& stage, const Scene& scene, std::size_t vertex)
+{
+    SeenVertex seen{vertex_receiver(stage, vertex), {}, false};
+    Frame& frame = seen.receiver.frame;
+    const Dir3 to_viewer = toward_viewer(scene, seen.receiver.p, frame.n);
+    const bool two_sided = scene.transport.two_sided;
+    if (two_sided && dot(frame.n, to_viewer) < 0.0) {
+        frame = {frame.x, -frame.y, -frame.n};
+        seen.receiver.ng = -seen.receiver.ng;
+    }
+    if (!frame.n || !(dot(frame.n, to_viewer) > 0.0)) { return {}; }
+    seen.wo = frame.to_local(to_viewer);
+    seen.both_sides = two_sided && std::holds_alternative<NormalView>(scene.view);
+    return seen;
+}
+
+bool E_tells_radiance(const Scene& scene, const Material& material)
+{
+    return is_lambertian(material) &&
+           (!scene.transport.two_sided || std::holds_alternative<NormalView>(scene.view));
+}
+
+Rgb vertex_color(const Stage& stage, std::size_t vertex)
+{
+    const auto& colors = stage.mesh->colors;
+    return colors.empty() ? Rgb::grey(1.0) : to_double(colors[vertex]);
+}
+
+Rgb color_at(const Stage& stage, const Hit& hit)
+{
+    if (hit.is_point || stage.mesh->colors.empty()) { return vertex_color(stage, hit.primitive); }
+    const Triangle& t = stage.surface->triangles[hit.primitive];
+    return vertex_color(stage, t[0]) * (1.0 - hit.u - hit.v) + vertex_color(stage, t[1]) * hit.u +
+           vertex_color(stage, t[2]) * hit.v;
+}
+
+}  // namespace relight

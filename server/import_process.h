@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/camera.h"
+#include "core/base/progress.h"
+#include "core/base/result.h"
+
+namespace relight {
+
+/// What one import may take.
+struct ImportLimits {
+    std::string program{};                   ///< path; empty: relight-import beside this program
+    std::uint64_t pixels = 1ULL << 25U;      ///< of the picture: 8192 x 4096
+    std::uint64_t memory = 1ULL << 30U;      ///< of the process's address space [bytes]
+    std::chrono::milliseconds time{20'000};  ///< from start to end, and of CPU time
+};
+
+/// A picture out of a client's file: finite, not negative, without coverage.
+struct ImportedImage {
+    Image image;
+    std::vector<std::string> notes;  ///< what was changed: "12 values below 0 became 0"
+};
+
+/// Decodes an OpenEXR file in a process of its own (server/import), which may break: no byte of the
+/// file meets a decoder in this one. Returns within `limits.time`, and 0.1 s of being stopped; the
+/// process is gone by then.   Errors: EmptyFile, the decoder's (server/import/exr.h), ImportFailed
+/// (it crashed, hung, ran over a limit or answered nonsense), Cancelled. Throws std::system_error
+/// if no process can be started.
+Result<ImportedImage> import_exr(std::span<const std::byte> file, const ImportLimits& limits,
+                                 Progress& progress);
+
+}  // namespace relight
