@@ -34,11 +34,19 @@ const std::map<std::string, Room> table{
        "core/transport"},
       {}}},
     {"core/display", {{"core/base"}, {}}},
-    {"core/io", {{"core/base", "core/geometry", "core/display"}, vtk}},
+    {"core/io",
+     {{"core/base", "core/light", "core/geometry", "core/display"},
+      {"vtk", "EGL", "GL", "zlib", "OpenEXR"}}},
     {"core/preview", {{"core/base", "core/geometry", "core/display"}, vtk}},
+    {"core/check",
+     {{"core/base", "core/light", "core/bsdf", "core/geometry", "core", "core/trace",
+       "core/transport", "core/shade"},
+      {}}},
+    {"server/import", {{"core/base"}, {"OpenEXR", "posix"}}},  // relight-import, a process apart
     {"server",
-     {{"core", "core/base", "core/light", "core/bsdf", "core/geometry", "core/trace",
-       "core/transport", "core/shade", "core/display", "core/io", "core/preview"},
+     {{"server/import", "core/check", "core", "core/base", "core/light", "core/bsdf",
+       "core/geometry", "core/trace", "core/transport", "core/shade", "core/display", "core/io",
+       "core/preview"},
       {"httplib", "nlohmann", "openssl", "CLI", "zlib", "posix"}}},
 };
 
@@ -88,7 +96,7 @@ std::string library_of(const std::string& header)
     const auto slash = header.find('/');
     const std::string first = header.substr(0, slash);
     if (slash != std::string::npos) {
-        static const std::set<std::string> system{"sys", "netinet", "arpa"};
+        static const std::set<std::string> system{"sys", "netinet", "arpa", "linux"};
         return system.contains(first) ? "posix" : first;
     }
     return header.ends_with(".h") || header.ends_with(".hpp") ? "posix" : "";

@@ -149,8 +149,9 @@ class Chi2Bins {
     {
         std::array<double, 4> parts{};
         const auto part = [&](int k) {
-            return Cell{c.z + (k % 2) * 0.5 * c.dz, c.phi + (k / 2) * 0.5 * c.dphi, 0.5 * c.dz,
-                        0.5 * c.dphi};
+            const bool upper = k % 2 == 1, farther = k >= 2;
+            return Cell{upper ? c.z + 0.5 * c.dz : c.z, farther ? c.phi + 0.5 * c.dphi : c.phi,
+                        0.5 * c.dz, 0.5 * c.dphi};
         };
         double sum = 0.0;
         for (int k = 0; k < 4; ++k) { sum += parts[static_cast<std::size_t>(k)] = gauss(part(k)); }
@@ -171,9 +172,9 @@ class Chi2Bins {
 };
 
 /// Draws `sample(0)` ... `sample(samples - 1)`, independent unit directions, and holds them against
-/// pdf(direction) [1/sr] over the whole sphere. A sample without a direction (all zero) is one that
-/// the density leaves out: 1 - its integral is expected of them. Expect p > 1e-3, and of a full
-/// density an integral near 1.
+/// pdf(direction) [1/sr] over the whole sphere. A sample without a direction (zero, or not a
+/// number) is one that the density leaves out: 1 - its integral is expected of them. Expect p >
+/// 1e-3, and of a full density an integral near 1.
 template <class Sampler, class Pdf>
 Chi2 chi2_directions(Sampler sample, Pdf pdf, int samples)
 {
@@ -185,14 +186,15 @@ Chi2 chi2_directions(Sampler sample, Pdf pdf, int samples)
     double without = 0.0;
     for (int i = 0; i < samples; ++i) {
         const Vec3 w = sample(i);
-        if (w == Vec3{}) {
+        if (w == Vec3{} || !is_finite(w)) {
             without += 1.0;
             continue;
         }
         const double phi = std::atan2(w.y, w.x);
         const double z = std::clamp(w.z, -1.0, std::nextafter(1.0, 0.0));
         const double around = std::clamp(phi < 0.0 ? phi + turn : phi, 0.0, 0.999999999999 * turn);
-        const auto row = static_cast<std::size_t>(rows * 0.5 * (z + 1.0));
+        // z + 1 may round to 2: the pole belongs to the last row.
+        const auto row = static_cast<std::size_t>(std::min(rows - 0.5, rows * 0.5 * (z + 1.0)));
         const auto column = static_cast<std::size_t>(columns * around / turn);
         places[row * columns + column].push_back({z, around, pdf(w)});
     }

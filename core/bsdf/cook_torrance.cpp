@@ -83,7 +83,7 @@ Parts parts(const CookTorrance& m, Vec3 wi, Vec3 wo, Rgb vertex_color)
     const Rgb rho = m.albedo_from_vertex ? vertex_color : m.albedo;
     p.base = (Rgb::grey(1.0) - p.F) * rho / std::numbers::pi;
     p.specular = p.F * (p.facets.D * p.facets.V);
-    if (m.lost) { p.multiscatter = m.lost->f_ms(wi.z, wo.z, m.mean_F); }
+    if (m.lost) { p.multiscatter = m.lost->f_ms(wi.z, wo.z, m.F_avg); }
     p.f = p.base + p.specular + p.multiscatter;
     return p;
 }
@@ -110,7 +110,7 @@ CookTorrance make_cook_torrance(CookTorrance material)
         };
         material.lost =
             std::make_shared<const MultiscatterTable>(mirror, material.alpha_x, material.alpha_y);
-        material.mean_F = F_avg(material.fresnel);
+        material.F_avg = F_avg(material.fresnel);
     }
     return material;
 }

@@ -39,7 +39,7 @@ struct CookTorrance {
     bool multiscatter = false;  ///< Kulla-Conty compensation: light that facets hand on is kept
     std::shared_ptr<const gtr::Masking> gtr_masking;  ///< Gtr only: set by make_cook_torrance
     std::shared_ptr<const MultiscatterTable> lost;    ///< multiscatter only: likewise
-    Rgb mean_F;                                       ///< multiscatter only: likewise
+    Rgb F_avg;                                        ///< multiscatter only: likewise
 };
 
 /// Completes a material: widths of at least least_alpha, and what Gtr and multiscatter need

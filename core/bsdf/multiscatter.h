@@ -18,9 +18,8 @@ using Mirror = std::function<double(Vec3 wi, Vec3 wo)>;
 double directional_albedo(const Mirror& f, Vec3 wo, double alpha_x, double alpha_y);
 
 /// Directional albedo of white facets (F = 1) over the view angle, and so what they lose: light
-/// that left one facet only to meet another. Immutable; 3 to 15 ms to make, 50 for a
-/// stretched lobe. Test:
-/// Multiscatter.*
+/// that left one facet only to meet another. Immutable; 3 to 15 ms to make, 50 for a stretched
+/// lobe. Test: Multiscatter.*
 class MultiscatterTable {
   public:
     /// Anisotropic lobes are averaged over the azimuth of wo, so that f_ms stays reciprocal.

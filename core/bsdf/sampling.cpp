@@ -53,7 +53,7 @@ Lobes lobes(const CookTorrance& m, double cos_o, Rgb vertex_color)
 {
     const double facet = mean(F(m.fresnel, cos_o));
     double diffuse = (1.0 - facet) * mean(m.albedo_from_vertex ? vertex_color : m.albedo);
-    if (m.lost) { diffuse += mean(m.lost->F_ms(m.mean_F)) * (1.0 - m.lost->E(cos_o)); }
+    if (m.lost) { diffuse += mean(m.lost->F_ms(m.F_avg)) * (1.0 - m.lost->E(cos_o)); }
     Lobes l;
     l.specular.alpha = {m.alpha_x, m.alpha_y};
     if (m.distribution == Distribution::Gtr) { l.specular.gamma = m.gamma; }

@@ -78,7 +78,7 @@ void check_penumbra(Cases& cases)
     // A window in z = 2 over 0 < x < 1, -1 < y < 1, shining down past the roof's edge: from (x, 0,
     // 0), -1 < x < 0, what lies beyond the edge's projection 2 (0 - x) + x = -x is seen.
     const Light window = light_of(RectLight{{0.5, 0, 2}, {0, 2, 0}, {1, 0, 0}, false}, L);
-    const auto corner = [](double a, double b, double h) {  // Howell, C-11
+    const auto corner = [](double a, double b, double h) {  // view factor above a corner
         const double A = std::hypot(a, h), B = std::hypot(b, h);
         return (a / A * std::atan(b / A) + b / B * std::atan(a / B)) / (2.0 * pi);
     };
@@ -89,8 +89,7 @@ void check_penumbra(Cases& cases)
                                     : x < -0.3 ? "50"
                                                : "20") +
                         " % is behind a half-plane",
-                    "E = pi L F(visible part), Howell C-11", E,
-                    read_under(roof(far), window, {{x, 0, 0}}));
+                    "E = pi L F(visible part)", E, read_under(roof(far), window, {{x, 0, 0}}));
     }
     cases.exact("window wholly behind a half-plane", "E = 0", 0.0,
                 read_under(roof(far), window, {{-1.01, 0, 0}}).value);
@@ -143,7 +142,8 @@ void check_standard_error(Cases& cases)
     for (int i = 0; i < 8; ++i) { places.push_back({{-0.15 - 0.1 * i, 0.05 * i, 0}}); }
     const Meters meters(roof(far), places);
     Scene scene = lit_by({light_of(RectLight{{0.5, 0, 2}, {0, 2, 0}, {1, 0, 0}, false})}, 256);
-    const auto factor = [](double a, double b) {  // Howell, C-11, odd in both
+    const auto factor = [](double a,
+                           double b) {  // to a parallel rectangle above its corner, odd in both
         const double A = std::hypot(a, 2.0), B = std::hypot(b, 2.0);
         return (a / A * std::atan(b / A) + b / B * std::atan(a / B)) / 2.0;
     };

@@ -11,6 +11,11 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
+std::string times(unsigned n)
+{
+    return std::to_string(n) + (n == 1 ? " bounce" : " bounces");
+}
+
 /// 1 + q + .. + q^n
 double series(double q, unsigned n)
 {
@@ -31,30 +36,18 @@ void check_furnace(Cases& cases)
 {
     cases.group("furnace", "W/m2");
     const Mesh room = inside_out(box());
-    std::vector<Emitter> emitters;
-    for (std::uint32_t t = 0; t < room.faces.count(); ++t) {
-        Emitter emitter;
-        for (std::size_t c = 0; c < 3; ++c) {
-            emitter.corners[c] = room.positions[room.faces.indices[3 * t + c]];
-        }
-        emitter.primitive = t;
-        emitter.L = Rgb::grey(1.0);
-        emitters.push_back(emitter);
-    }
     const double Le = 2.0, rho = 0.5;
-    const Light glow =
-        light_of(MeshLight{std::make_shared<const EmitterTable>(std::move(emitters))}, Le);
-    const std::vector<Meter> places{{{0.5, 0.5, 0.5}}, {{0.9, 0.2, 0.7}, {1, 2, -3}}};
+    const Meters meters(room, {{{0.5, 0.5, 0.5}}, {{0.9, 0.2, 0.7}, {1, 2, -3}}});
     const char* where[] = {"in its middle", "near a corner"};
+    Scene scene = lit_by({shining(room, room.faces.count(), Le)}, 16384);
+    scene.materials = {Lambert{Rgb::grey(rho)}};
     for (const unsigned n : {0U, 1U, 4U}) {
-        Scene scene = lit_by({light_of(glow.shape, Le)}, 2048);
-        scene.materials = {Lambert{Rgb::grey(rho)}};
         scene.transport.bounces = n;
-        const auto readings = read(room, places, scene);
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            cases.drawn(
-                "room of shining walls after " + std::to_string(n) + " bounces, " + where[i],
-                "E = pi Le (1 + rho + .. + rho^n)", pi * Le * series(rho, n), readings[i].E);
+        const auto readings = read_column(meters, scene);
+        for (std::size_t i = 0; i < meters.count; ++i) {
+            cases.drawn("room of shining walls after " + times(n) + ", " + where[i],
+                        "E = pi Le (1 + rho + .. + rho^n)", pi * Le * series(rho, n),
+                        readings[i].E);
         }
     }
 }
@@ -71,16 +64,16 @@ void check_integrating_sphere(Cases& cases)
         places.push_back({Point3{} + out * (R * (1.0 - 2e-3)), -out});
     }
     const Meters meters(sphere, places);
-    Scene scene = lit_by({light_of(PointLight{{0.5, -0.3, 0.8}, {}}, Phi / (4.0 * pi))}, 8192);
+    Scene scene = lit_by({light_of(PointLight{{0.2, -0.1, 0.3}, {}}, Phi / (4.0 * pi))}, 16384);
     scene.materials = {Lambert{Rgb::grey(rho)}};
     for (const unsigned n : {1U, 3U, 12U}) {
         scene.transport.bounces = n;
-        const auto bounced = read_bounced(meters, scene);
+        const auto readings = read_column(meters, scene);
         for (std::size_t i = 0; i < places.size(); ++i) {
-            cases.relative("light of " + std::to_string(n) + " bounces in a sphere, place " +
-                               std::to_string(i + 1) + ", lamp off its middle",
+            cases.relative("light of " + times(n) + " in a sphere, place " + std::to_string(i + 1) +
+                               ", lamp off its middle",
                            "E = Phi / (4 pi R^2) (rho + .. + rho^n)",
-                           Phi / (4.0 * pi * R * R) * rho * series(rho, n - 1), bounced[i].value,
+                           Phi / (4.0 * pi * R * R) * rho * series(rho, n - 1), readings[i].bounced,
                            0.01);
         }
     }
@@ -102,20 +95,11 @@ void check_open_bounces(Cases& cases)
     // rho^2 of it again.
     const Mesh plates = joined(
         ground, quads({{-wide, -wide, 1}, {-wide, wide, 1}, {wide, wide, 1}, {wide, -wide, 1}}));
-    std::vector<Emitter> emitters;
-    for (std::uint32_t t = 0; t < 2; ++t) {
-        Emitter emitter;
-        for (std::size_t c = 0; c < 3; ++c) {
-            emitter.corners[c] = plates.positions[plates.faces.indices[3 * t + c]];
-        }
-        emitter.primitive = t;
-        emitter.L = Rgb::grey(1.0);
-        emitters.push_back(emitter);
-    }
-    scene.lights = {light_of(MeshLight{std::make_shared<const EmitterTable>(std::move(emitters))})};
-    scene.transport.samples = 2048;
+    scene.lights = {shining(plates, 2, 1.0)};
+    scene.transport.samples = 16384;
     scene.transport.bounces = 2;
-    const auto between = read(plates, {{{0, 0, 0.999}, {0, 0, -1}}, {{0, 0, 0.001}}}, scene);
+    const auto between =
+        read_column({plates, {{{0, 0, 0.999}, {0, 0, -1}}, {{0, 0, 0.001}}}}, scene);
     cases.drawn("plate across from a shining one, two bounces", "E = pi Le (1 + rho^2)",
                 pi * (1.0 + rho * rho), between[0].E, 1e-5);
     cases.drawn("shining plate's own light handed back", "E = pi Le rho", pi * rho, between[1].E,

@@ -3,6 +3,7 @@
 
 #include "core/check/cases.h"
 #include "core/check/meters.h"
+#include "core/light/triangle.h"
 
 // What lights draw, and the densities that they say it has: where the walk knows a closed form it
 // takes only shares from them, so they are checked by themselves here.
@@ -54,7 +55,7 @@ void check_light_samples(Cases& cases)
     };
     const std::vector<Row> rows{
         {"rectangle", RectLight{{0, 0, h}, {0, 2 * b, 0}, {2 * a, 0, 0}, false},
-         "E = 4 pi F(quarter), Howell C-11",
+         "E = 2 (a/A atan(b/A) + b/B atan(a/B))",
          2.0 * (a / A * std::atan(b / A) + b / B * std::atan(a / B)),
          "Omega = 4 atan(a b / (h sqrt(a^2 + b^2 + h^2)))",
          4.0 * std::atan(a * b / (h * std::sqrt(a * a + b * b + h * h)))},
@@ -83,7 +84,8 @@ void check_light_samples(Cases& cases)
     }
     cases.group("light samples", "sr");
     cases.relative("solid angle of an octant's triangle", "Omega = 4 pi / 8", 0.5 * pi,
-                   solid_angle({Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{0, 0, 1}}, {}), 1e-12);
+                   view({Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{0, 0, 1}}, {}).solid_angle,
+                   1e-12);
 }
 
 }  // namespace relight

@@ -4,16 +4,20 @@
 #include "core/check/cases.h"
 #include "core/check/meters.h"
 
-// Rectangles, by the view factors of Howell's catalogue (E = pi L F).
+// Rectangles, by the view factors F of textbooks (Siegel & Howell, Thermal Radiation Heat
+// Transfer): E = pi L F.
 
 namespace relight {
 namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double L = 5.0;
+constexpr auto corner_formula =
+    "E = L/2 (a/A atan(b/A) + b/B atan(a/B)), A^2 = a^2 + h^2, B^2 = b^2 + h^2";
+constexpr auto wall_formula = "E = L/2 (atan(b/c) - c/C atan(b/C)), C^2 = a^2 + c^2";
 
 /// View factor of an element that looks at a parallel rectangle of sides a, b at distance h, above
-/// one of its corners.   Howell, C-11
+/// one of its corners.
 double corner_factor(double a, double b, double h)
 {
     const double A = std::hypot(a, h), B = std::hypot(b, h);
@@ -21,7 +25,7 @@ double corner_factor(double a, double b, double h)
 }
 
 /// View factor of an element to a rectangle in a plane at right angles to its own, a high, b wide,
-/// at distance c; one lower corner stands straight across.   Howell, C-12
+/// at distance c; one lower corner stands straight across.
 double wall_factor(double a, double b, double c)
 {
     const double X = a / b, Y = c / b;
@@ -40,19 +44,13 @@ Light ceiling(double x0, double y0, double x1, double y1, double h)
 void check_shining_faces(Cases& cases)
 {
     const Mesh lamp = quads({{0, 0, 1}, {0, 2, 1}, {1, 2, 1}, {1, 0, 1}});  // faces down
-    std::vector<Emitter> emitters(2);
-    for (std::uint32_t t = 0; t < 2; ++t) {
-        for (std::size_t c = 0; c < 3; ++c) {
-            emitters[t].corners[c] = lamp.positions[lamp.faces.indices[3 * t + c]];
-        }
-        emitters[t].primitive = t;
-        emitters[t].L = Rgb::grey(1.0);
-    }
-    const auto table = std::make_shared<const EmitterTable>(std::move(emitters));
-    const auto readings = read(lamp, {{{0, 0, 0}}}, lit_by({light_of(MeshLight{table}, L)}, 4096));
-    cases.drawn("shining faces of the mesh are a rectangle", "E = pi L F(1 x 2 above its corner)",
+    const Light faces = shining(lamp, 2, L);
+    const auto readings = read(lamp, {{{0, 0, 0}}}, lit_by({faces}, 4096));
+    cases.drawn("shining faces of the mesh are a rectangle", "E = pi L F(rectangle)",
                 pi * L * corner_factor(1, 2, 1), readings[0].E);
-    cases.relative("flux of shining faces", "Phi = pi L A", pi * 2.0, table->flux().r, 1e-12);
+    cases.group("polygon", "W");
+    cases.relative("flux of shining faces", "Phi = pi L A", pi * 2.0,
+                   std::get<MeshLight>(faces.shape).table->flux().r, 1e-12);
 }
 
 }  // namespace
@@ -60,8 +58,8 @@ void check_shining_faces(Cases& cases)
 void check_polygons(Cases& cases)
 {
     cases.group("polygon", "W/m2");
-    cases.relative("rectangle above its corner", "E = pi L F, Howell C-11",
-                   pi * L * corner_factor(1, 2, 1), read_one(ceiling(0, 0, 1, 2, 1), {}).value);
+    cases.relative("rectangle above its corner", corner_formula, pi * L * corner_factor(1, 2, 1),
+                   read_one(ceiling(0, 0, 1, 2, 1), {}).value);
     cases.relative("rectangle above its middle", "E = 4 pi L F(quarter)",
                    4.0 * pi * L * corner_factor(0.5, 1, 0.7),
                    read_one(ceiling(-0.5, -1, 0.5, 1, 0.7), {}).value);
@@ -72,10 +70,10 @@ void check_polygons(Cases& cases)
                    read_one(ceiling(-1e7, -1e7, 1e7, 1e7, 1), {}).value, 2e-6);
     const Light wall =
         light_of(RectLight{{1.5, 1, 0.75}, {0, 0, 1.5}, {0, 2, 0}, false}, L);  // toward -x
-    cases.relative("wall that stands on the receiver's horizon", "E = pi L F, Howell C-12",
+    cases.relative("wall that stands on the receiver's horizon", wall_formula,
                    pi * L * wall_factor(1.5, 2, 1.5), read_one(wall, {}).value);
     const Light sunk = light_of(RectLight{{1.5, 1, 0}, {0, 0, 3}, {0, 2, 0}, false}, L);
-    cases.relative("wall that the receiver's horizon cuts in half", "E = pi L F(upper half)",
+    cases.relative("wall that the receiver's horizon cuts in half", wall_formula,
                    pi * L * wall_factor(1.5, 2, 1.5), read_alone(sunk, {}));
     const double r = 500.0, c = std::cos(1.0);
     const Light far = light_of(RectLight{{r * std::sin(1.0), 0, r * c}, {0, 1, 0}, {1, 0, 0}}, L);
@@ -92,7 +90,7 @@ void check_polygons(Cases& cases)
     const Light away = light_of(RectLight{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, false}, L);
     cases.exact("rectangle that faces away", "E = 0", 0.0, read_one(away, {}).value);
     const Light both = light_of(RectLight{{0.5, 1, 1}, {1, 0, 0}, {0, 2, 0}, true}, L);
-    cases.relative("two-sided rectangle from its back", "E = pi L F, Howell C-11",
+    cases.relative("two-sided rectangle from its back", corner_formula,
                    pi * L * corner_factor(1, 2, 1), read_one(both, {}).value);
     check_shining_faces(cases);
 }

@@ -63,15 +63,16 @@ void check_disk(Cases& cases)
                    pi * L * R * R / (R * R + h * h), read_one(above(0, R), {}).value);
     cases.relative("endless disk", "E -> pi L", pi * L, read_one(above(0, 1e4), {}).value, 2e-6);
     const double x = 1.9;
-    {  // lengths in units of the distance from the axis
+    {  // Siegel & Howell; lengths in units of the distance from the axis
         const double H = h / x, r = R / x, Z = 1.0 + H * H + r * r;
         const double root = std::sqrt(Z * Z - 4.0 * r * r);
-        cases.relative("disk off its axis, parallel", "E = pi L F, Howell B-13",
+        cases.relative("disk off its axis, parallel",
+                       "E = pi L/2 (1 - (Z - 2 r^2) / sqrt(Z^2 - 4 r^2)), Z = 1 + H^2 + r^2",
                        pi * L * 0.5 * (1.0 - (Z - 2.0 * r * r) / root),
                        read_one(above(x, R), {}).value);
-        cases.relative("disk off its axis, at right angles", "E = pi L F, Howell B-15",
-                       pi * L * 0.5 * H * (Z / root - 1.0),
-                       read_alone(above(x, R), {{}, {1, 0, 0}}));
+        cases.relative(
+            "disk off its axis, at right angles", "E = pi L H/2 (Z / sqrt(Z^2 - 4 r^2) - 1)",
+            pi * L * 0.5 * H * (Z / root - 1.0), read_alone(above(x, R), {{}, {1, 0, 0}}));
     }
     cases.relative("disk that the horizon cuts in half", "E = L (atan(R/h) - h R / (R^2 + h^2))",
                    L * (std::atan(R / h) - h * R / (R * R + h * h)),

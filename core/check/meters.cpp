@@ -144,17 +144,34 @@ double read_alone(const Light& light, Meter meter)
     return read(speck(), {meter}, lit_by({light}))[0].E.value;
 }
 
-std::vector<Drawn> read_bounced(const Meters& meters, const Scene& scene)
+std::vector<Bounced> read_column(const Meters& meters, const Scene& scene)
 {
     const Column part =
         column(meters.stage, scene, 0, false, meters.first, meters.first + meters.count);
     const double power = scene.lights[0].power.r;
-    std::vector<Drawn> values;
+    const auto red = [&](const std::vector<float>& values, std::size_t i) {
+        const std::size_t bands = values.size() / meters.count;
+        return bands == 0 ? 0.0 : power * static_cast<double>(values[bands * i]);
+    };
+    std::vector<Bounced> readings;
     for (std::size_t i = 0; i < meters.count; ++i) {
-        values.push_back({power * static_cast<double>(part.E_bounced[3 * i]),
-                          power * static_cast<double>(part.standard_error[3 * i])});
+        const double bounced = red(part.E_bounced, i);
+        readings.push_back({{red(part.E, i) + bounced, red(part.standard_error, i)}, bounced});
     }
-    return values;
+    return readings;
+}
+
+Light shining(const Mesh& mesh, std::size_t faces, double power)
+{
+    std::vector<Emitter> emitters(faces);
+    for (std::uint32_t t = 0; t < faces; ++t) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            emitters[t].corners[c] = mesh.positions[mesh.faces.indices[3 * t + c]];
+        }
+        emitters[t].primitive = t;
+        emitters[t].L = Rgb::grey(1.0);
+    }
+    return light_of(MeshLight{std::make_shared<const EmitterTable>(std::move(emitters))}, power);
 }
 
 }  // namespace relight

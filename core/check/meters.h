@@ -55,8 +55,15 @@ Drawn read_one(const Light& light, Meter meter);
 /// The same in empty space, where lights may stand on the receiver's horizon and below.
 double read_alone(const Light& light, Meter meter);
 
-/// What bounces alone bring to the meters from the first light, and the error of all its E: of
-/// meshes with too many vertices to light each.
-std::vector<Drawn> read_bounced(const Meters& meters, const Scene& scene);
+/// The first light's column at the meters alone, where lighting every vertex would cost too much:
+/// E with its bounces, and what of it is bounced.
+struct Bounced {
+    Drawn E;
+    double bounced{};
+};
+std::vector<Bounced> read_column(const Meters& meters, const Scene& scene);
+
+/// A light of the mesh's own faces, each of radiance 1.
+Light shining(const Mesh& mesh, std::size_t faces, double power);
 
 }  // namespace relight

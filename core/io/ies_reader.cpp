@@ -123,6 +123,7 @@ class IesReader {
             const std::string_view line = scanner_.rest_of_line();
             if (!line.starts_with("TILT=")) { continue; }
             value = line.substr(5, line.find_last_not_of(" \t\v\f") - 4);
+            value.remove_prefix(std::min(value.find_first_not_of(" \t\v\f"), value.size()));
             break;
         }
         if (value == "NONE") { return {}; }

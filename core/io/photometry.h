@@ -14,7 +14,8 @@ namespace relight {
 /// Radiance RGBE (.hdr, .pic): linear RGB, row 0 on top. Strict (fuzzed): flat, old and new run
 /// lengths; -Y M +X N as filed by everyone; resolution checked against the bytes that remain before
 /// anything is allocated. EXPOSURE lines are divided out. Errors: EmptyFile, MalformedHeader,
-/// MalformedBody, Truncated, CountExceedsFile, OutOfRange (too many pixels), Cancelled.
+/// MalformedBody, Truncated, CountExceedsFile, OutOfRange (too many pixels, exposures),
+/// NotAvailable (XYZE, turned or mirrored), Cancelled. The image has no coverage.
 Result<Image> read_hdr(std::span<const std::byte> file, std::uint64_t most_pixels,
                        Progress& progress);
 

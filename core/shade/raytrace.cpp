@@ -12,7 +12,7 @@ namespace relight {
 namespace {
 
 // Paths times lights (and eight for the rest of a path's work) that are followed together.
-constexpr std::size_t most_work = 32768;
+constexpr std::size_t most_work = 8192;
 
 /// A picture in the making: all that its blocks share.
 struct Canvas {

@@ -61,7 +61,7 @@ std::optional<double> closed(const Source& source, const Receiver& receiver)
 bool is_open(const Source& source, const Receiver& receiver)
 {
     return !source.scene.transport.two_sided &&
-           source.stage.bvh->open_above(receiver.p, receiver.frame.n, 0.0);
+           source.stage.bvh->open_above(receiver.p, receiver.frame.n, receiver.clear.offset);
 }
 
 /// One vertex under one light that must be sampled, for its E.

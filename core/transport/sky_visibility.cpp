@@ -79,7 +79,7 @@ SkyVisibility sky_visibility(const Stage& stage, const Scene& scene, bool sh, st
     for (std::size_t v = begin; v < end; ++v) {
         const Receiver receiver = vertex_receiver(stage, v);
         if (!receiver.frame.n) { continue; }
-        if (stage.bvh->open_above(receiver.p, receiver.frame.n, 0.0)) {
+        if (stage.bvh->open_above(receiver.p, receiver.frame.n, receiver.clear.offset)) {
             sky.ambient_occlusion[v - begin] = 1.0F;
             if (sh) { write_sh(v - begin, open_transfer(receiver.frame.n)); }
             continue;

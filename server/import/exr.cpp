@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfVersion.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -35,7 +35,7 @@ const Answer& answer(std::size_t vertices)
         Scene scene;
         scene.lights = {test::light_of(PointLight{{0.3, -0.2, 0.35}, {}}, {3.0, 2.5, 2.0})};
         Progress progress;
-        Shaded shaded = shade(stage, trace(stage, scene, 0, progress), scene, {}, progress);
+        Shaded shaded = shade(stage, trace(stage, scene, {}, progress), scene, {}, progress);
         std::vector<Rgb8> color = to_srgb8(shaded.radiance, {}, 0, progress);
         at->second = {stage.mesh.get(), std::move(shaded), std::move(color)};
     }

@@ -15,7 +15,7 @@ Scene four_lights(const Material& material)
     for (const Point3 place : {Point3{1, 1, 4}, {-1, 1, 4}, {-1, -1, 4}, {1, -1, 4}}) {
         scene.lights.push_back(test::light_of(PointLight{place, {}}, {30.0, 28.0, 25.0}));
     }
-    scene.material = material;
+    scene.materials = {material};
     scene.view = CameraView{};
     scene.camera.eye = {0.5, -1.0, 5.0};
     return scene;
@@ -28,7 +28,7 @@ void shade_lights(benchmark::State& state, const Material& material)
     ShadeOptions options;
     options.threads = threads(state);
     Progress progress;
-    const Transport transport = trace(stage, scene, 0, progress);
+    const Transport transport = trace(stage, scene, {}, progress);
     while (state.KeepRunning()) {
         const Shaded shaded = shade(stage, transport, scene, options, progress);
         benchmark::DoNotOptimize(shaded.radiance.data());

@@ -97,8 +97,8 @@ TEST(Multiscatter, EveryAlbedoTableOfTheOracleAgrees)
                 near(albedo(single, test::vec_of(c["wo"][i])), c["albedo"][i]);
             }
         } else if (kind == "ggx_schlick") {
-            near(whole.mean_F.r, c["F_avg"]);
-            near(whole.lost->F_ms(whole.mean_F).g, c["F_ms"]);
+            near(whole.F_avg.r, c["F_avg"]);
+            near(whole.lost->F_ms(whole.F_avg).g, c["F_ms"]);
             const double f0 = c["f0"];
             for (std::size_t i = 0; i < c["mu"].size(); ++i) {
                 const Vec3 wo = test::direction(c["mu"][i], 0.3);
@@ -217,8 +217,8 @@ TEST(Multiscatter, WhatItAddsIsReciprocalAndNeverNegative)
             SCOPED_TRACE(name(m));
             for (const double a : {1e-300, 1e-9, 0.01, 0.4, 1.0}) {
                 for (const double b : {1e-12, 0.2, 0.9, 1.0}) {
-                    const Rgb there = m.lost->f_ms(a, b, m.mean_F);
-                    const Rgb back = m.lost->f_ms(b, a, m.mean_F);
+                    const Rgb there = m.lost->f_ms(a, b, m.F_avg);
+                    const Rgb back = m.lost->f_ms(b, a, m.F_avg);
                     EXPECT_NEAR(there.r, back.r, 1e-9);
                     for (const double band : {there.r, there.g, there.b}) {
                         EXPECT_TRUE(std::isfinite(band) && band >= 0.0) << band;

@@ -266,6 +266,17 @@ TEST(Chi2, TellsAWrongSamplerFromARightOne)
     EXPECT_LT(lobe(0.06).p, 1e-6);
 }
 
+TEST(Chi2, RefusesASamplerThatGivesOnlyAPoleOrNoDirection)
+{
+    const auto even = [](Vec3) { return 0.25 * std::numbers::inv_pi; };
+    for (const Vec3 w :
+         {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, -1e-300, 0}, Vec3{}, Vec3{std::nan(""), 0, 0}}) {
+        const auto result = test::chi2_directions([&](int) { return w; }, even, 1000);
+        EXPECT_EQ(result.p, 0.0) << w.x << ' ' << w.y << ' ' << w.z;
+        EXPECT_NEAR(result.integral, 1.0, 1e-9);
+    }
+}
+
 TEST(Chi2, ItsTailIsTheIncompleteGammaFunction)
 {
     // Q(1/2, x) = erfc(sqrt x), Q(1, x) = exp(-x), Q(a + 1, x) = Q(a, x) + x^a exp(-x)/Gamma(a + 1)

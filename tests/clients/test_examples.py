@@ -121,3 +121,13 @@ class TestPreviewClient:
         done = self.run(server, SPOT)
         assert done.returncode == 1
         assert "--png" in done.stderr
+
+
+def test_the_sky_example_comes_close_to_the_traced_sky(server):
+    done = subprocess.run(
+        ["/usr/bin/python3", ROOT / "clients/examples/sky_by_dot_product.py", SPOT,
+         ROOT / "tests/data/env/venice_sunset_64.hdr", f"http://{server.host}:{server.port}"],
+        capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    percent = float(done.stdout.rsplit("rms difference", 1)[1].split("%")[0])
+    assert percent < 25, done.stdout

@@ -196,3 +196,28 @@ def test_the_command_tells_a_refusal_in_a_line_and_fails(server, tmp_path):
     assert "/lights/0/flux_w" in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert not (tmp_path / "lit.ply").exists()
+
+
+def test_skies_and_lamps_are_stored_and_light_the_mesh(client):
+    sky = client.store_environment(ROOT / "tests/data/env/venice_sunset_64.hdr")
+    lamp = client.store_profile(ROOT / "tests/data/ies/bega_6339_wall.ies")
+    assert (sky["kind"], lamp["kind"]) == ("environment", "profile")
+    mesh = client.upload(CUBE)
+    for light in (relight.environment_light(sky["id"], scale=2), relight.sky_light(sun_direction=(1, 1, 1)),
+                  relight.ies_light((0, 3, 0), (0, -1, 0), lamp["id"]),
+                  relight.sphere_light((0, 3, 0), 0.5, flux_lm=800, temperature_k=2700),
+                  relight.disk_light((0, 3, 0), (0, -1, 0), 0.5, flux_w=8),
+                  relight.rect_light((0, 3, 0), (1, 0, 0), (0, 0, 1), radiance_w_m2_sr=3)):
+        lit = client.relight(mesh, lights=[light], output={"format": "json", "quantities": ["irradiance"]}).json()
+        assert max(max(E) for E in lit["irradiance"]) > 0
+
+
+def test_a_vertex_says_why_it_is_as_bright_as_it_is(client):
+    why = client.explain(client.upload(SPOT), [3, 5], lights=[LAMP])
+    assert [item["vertex"] for item in why["vertices"]] == [3, 5]
+    assert why["vertices"][0]["lights"][0]["light"] == "lamp"
+
+
+def test_the_server_proves_its_formulas(client):
+    proof = client.check()
+    assert proof["failed"] == 0 and proof["passed"] > 30

@@ -109,8 +109,8 @@ TEST(Tangents, CornersOfPolygonsAreFoundAgainInTheirTriangles)
 TEST(Tangents, WhereTheCoordinatesSpanNothingTheFrameIsTheNormalsOwn)
 {
     const Frame tilt = frame_around(normalize({0.3, -0.5, 0.7}));
-    const Mesh flat = test::grid(4);
-    for (const Mesh& mesh : {mapped(flat, {}, {}), mapped(flat, {0.1, 0.3, 0}, {0.2, 0.6, 0}),
+    const Mesh flat = test::grid(7);  // coordinates that round
+    for (const Mesh& mesh : {mapped(flat, {}, {}), mapped(flat, {0.1, 0.3, 0}, {0.3, 0.9, 0}),
                              mapped(flat, {1, 0, 0}, {}), flat}) {
         const Surface surface = prepared(test::moved(mesh, tilt, 1.0, {}));
         for (std::size_t v = 0; v < surface.normals.size(); ++v) {

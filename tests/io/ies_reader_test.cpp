@@ -138,7 +138,7 @@ TEST(IesReader, MultipliesCandelaByMultiplierAndBallastFactorAlone)
 TEST(IesReader, PassesOverIncludedTilt)
 {
     Parts parts;
-    parts.tilt = "TILT=INCLUDE\n1\n3\n0 45 90\n1 .9 .8\n";
+    parts.tilt = "TILT= INCLUDE \n1\n3\n0 45 90\n1 .9 .8\n";
     const auto profile = ies(parts.text());
     ASSERT_TRUE(profile) << profile.error().detail;
     EXPECT_TRUE(same(*profile, *ies(Parts{}.text())));

@@ -134,5 +134,36 @@ TEST(TriangleSampling, IsUniformInSolidAngle)
     }
 }
 
+/// As near as double can put it: the corners seem to be on one great circle, but what is seen is
+/// the hemisphere.
+TEST(TriangleSampling, FillsTheHemisphereOfAReceiverThatTouchesIt)
+{
+    constexpr int draws = 1000;
+    int touching = 0;
+    for (std::uint64_t item = 0; item < 100; ++item) {
+        Numbers random(item);
+        const std::array<Point3, 3> t{random.point(1.0), random.point(1.0), random.point(1.0)};
+        const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+        if (length(normal) < 0.2) { continue; }
+        const Vec3 to_middle = ((t[1] - t[0]) + (t[2] - t[0])) / 3.0;
+        const Point3 p = t[0] + to_middle + Vec3(normalize(normal)) * 1e-16;
+        if (solid_angle(t, p) == 0.0) { continue; }  // rounded onto its plane
+        ++touching;
+        Vec3 sum;
+        for (int i = 0; i < draws; ++i) {
+            const LightSample drawn = sample_triangle(t, p, random.square());
+            ASSERT_TRUE(drawn.wi);
+            EXPECT_TRUE(look_at_triangle(t, p, drawn.wi).wi);
+            sum += drawn.wi;
+        }
+        const Frame frame = frame_around(normalize(normal));
+        const Vec3 mean = frame.to_local(sum) / draws;
+        EXPECT_NEAR(std::abs(mean.z), 0.5, 4.0 * std::sqrt(1.0 / 12.0 / draws));
+        EXPECT_NEAR(mean.x, 0.0, 4.0 * std::sqrt(1.0 / 3.0 / draws));
+        EXPECT_NEAR(mean.y, 0.0, 4.0 * std::sqrt(1.0 / 3.0 / draws));
+    }
+    EXPECT_GT(touching, 50);
+}
+
 }  // namespace
 }  // namespace relight

@@ -64,8 +64,10 @@ TEST(ImportExr, GivesEverySampleAsOpenExrReadsIt)
     for (const char* name : {"park_512", "night_512", "lux_studiolights_piz"}) {
         const std::string file = contents(data + "/env/" + name + ".exr");
         expect_as_openexr_reads(file, {"R", "G", "B"}, name);
-        EXPECT_EQ(import(file)->image.width, 512) << name;
-        EXPECT_EQ(import(file)->image.height, 256) << name;
+        const auto imported = import(file);
+        ASSERT_TRUE(imported) << name;
+        EXPECT_EQ(imported->image.width, 512) << name;
+        EXPECT_EQ(imported->image.height, 256) << name;
     }
 }
 

@@ -137,6 +137,19 @@ class Client:
         headers = {"Content-Type": _media_type(mesh)}
         return Mesh._of(self._json("POST", "/v1/meshes" + query, body_of(mesh), headers))
 
+    def store_environment(self, image: Source, format: Optional[str] = None) -> Dict[str, Any]:
+        """Stores an equirectangular .hdr or .exr; the description's "id" goes into an
+        `environment_light`."""
+        return self._store("/v1/environments", image, format)
+
+    def store_profile(self, profile: Source) -> Dict[str, Any]:
+        """Stores a photometric profile (.ies); the description has its "id" and its flux."""
+        return self._store("/v1/profiles", profile, "ies")
+
+    def check(self) -> Dict[str, Any]:
+        """The server's proof of its formulas: every closed-form case, expected and computed."""
+        return self._json("GET", "/v1/check")
+
     def mesh(self, id: str) -> Mesh:
         """The description of a stored mesh."""
         return Mesh._of(self._json("GET", "/v1/meshes/" + _checked(id)))
@@ -170,7 +183,40 @@ class Client:
     ) -> Answer:
         """Lights a stored mesh (a `Mesh`, or its id) or a file (path or bytes), which is then sent
         along and not stored. `output` is the API's object, or just the format's name. `fields` are the
-        other members of the request as the API has them: view, camera, transport, display, points."""
+        other members of the request as the API has them: view, camera, transport, display, points,
+        materials."""
+        return Answer(self._ask("/v1/relight", mesh, lights, material, output, fields))
+
+    def explain(
+        self,
+        mesh: Union[Mesh, Source],
+        vertices: Sequence[int],
+        lights: Optional[Sequence[Mapping[str, Any]]] = None,
+        material: Optional[Mapping[str, Any]] = None,
+        **fields: Any,
+    ) -> Dict[str, Any]:
+        """Why these vertices are as bright as they are: a light's cosine, distance, visibility,
+        blocker, the BRDF's terms, and what they add up to."""
+        asked = {**fields, "vertices": [int(v) for v in vertices]}
+        reply = self._ask("/v1/explain", mesh, lights, material, None, asked)
+        found = json.loads(reply.content)
+        assert isinstance(found, dict)
+        return found
+
+    def _store(self, path: str, file: Source, format: Optional[str]) -> Dict[str, Any]:
+        query = "?" + urllib.parse.urlencode({"format": format}) if format else ""
+        headers = {"Content-Type": "application/octet-stream"}
+        return self._json("POST", path + query, body_of(file), headers)
+
+    def _ask(
+        self,
+        path: str,
+        mesh: Union[Mesh, Source],
+        lights: Optional[Sequence[Mapping[str, Any]]],
+        material: Optional[Mapping[str, Any]],
+        output: Union[None, str, Mapping[str, Any]],
+        fields: Mapping[str, Any],
+    ) -> Reply:
         request: Dict[str, Any] = dict(fields)
         if lights is not None:
             request["lights"] = [dict(light) for light in lights]
@@ -189,9 +235,7 @@ class Client:
                     ("mesh", _media_type(id), body_of(id)),
                 ]
             )
-        return Answer(
-            self._request("POST", "/v1/relight", body, {"Content-Type": content_type})
-        )
+        return self._request("POST", path, body, {"Content-Type": content_type})
 
     def _request(self, *arguments: Any) -> Reply:
         reply = self._connection.request(*arguments)
