@@ -23,7 +23,7 @@ std::string formatted(const char* format, double x)
     return text;
 }
 
-std::string painted(std::string text, std::string_view color, bool coloured)
+std::string painted(const std::string& text, std::string_view color, bool coloured)
 {
     constexpr std::string_view plain = "\033[0m";
     return coloured ? std::string(color).append(text).append(plain) : text;

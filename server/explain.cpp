@@ -99,8 +99,8 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
         if (!light.enabled) { continue; }
         const Column one = column(stage, scene, l, true, v, v + 1, materials);
         explained.rays += one.rays;
-        const Rgb own_E = irradiance(one, light.power, 0);
-        E += own_E;
+        const Rgb E_of_light = irradiance(one, light.power, 0);
+        E += E_of_light;
         const LightSample there = toward(light, receiver);
         ObjectWriter item;
         item.text("light", light.name)
@@ -111,12 +111,12 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
                                                                        : std::string("null"))
             .number("visibility", static_cast<double>(one.visible[0]))
             .raw("blocker", blocker_json(stage, scene, light, receiver, there))
-            .raw("irradiance", rgb_json(own_E))
+            .raw("irradiance", rgb_json(E_of_light))
             .raw("standard_error", rgb_json(standard_error(one, light.power)));
         if (seen) {
-            const Rgb own_L = radiance(*seen, scene, material, color, one, light, 0);
-            L += own_L;
-            item.raw("radiance", rgb_json(own_L));
+            const Rgb L_of_light = radiance(*seen, scene, material, color, one, light, 0);
+            L += L_of_light;
+            item.raw("radiance", rgb_json(L_of_light));
             if (there.wi) {
                 item.raw("brdf", terms_json(material, seen->receiver.frame.to_local(there.wi),
                                             seen->wo, color));
@@ -124,16 +124,16 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
         }
         lights += (lights.size() > 1 ? "," : "") + item.done();
     }
-    const Rgbf total_E = to_float(E);
-    const Rgbf total_L = to_float(L);
-    std::string stored_E;
-    std::string stored_L;
-    append_json(stored_E, total_E, 3);
-    append_json(stored_L, total_L, 3);
+    const Rgbf E_total = to_float(E);
+    const Rgbf L_total = to_float(L);
+    std::string E_text;
+    std::string L_text;
+    append_json(E_text, E_total, 3);
+    append_json(L_text, L_total, 3);
     // append_json writes rows: of one row, its own brackets.
     explained.json = json.raw("lights", lights + "]")
-                         .raw("irradiance", stored_E.substr(1, stored_E.size() - 2))
-                         .raw("radiance", stored_L.substr(1, stored_L.size() - 2))
+                         .raw("irradiance", E_text.substr(1, E_text.size() - 2))
+                         .raw("radiance", L_text.substr(1, L_text.size() - 2))
                          .done();
     return explained;
 }

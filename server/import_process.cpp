@@ -111,8 +111,14 @@ ImportProcess::~ImportProcess()
 
 std::optional<int> ImportProcess::ended()
 {
+    siginfo_t end{};
+    const int flags = WEXITED | WNOHANG | WNOWAIT;
+    if (::waitid(P_PID, static_cast<id_t>(process_), &end, flags) != 0 || end.si_pid == 0) {
+        return std::nullopt;
+    }
+    ::kill(-process_, SIGKILL);  // what it may have left behind, while the group's name is its own
     int status = 0;
-    if (::waitpid(process_, &status, WNOHANG) != process_) { return std::nullopt; }
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {}
     process_ = -1;
     return status;
 }

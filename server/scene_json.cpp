@@ -120,11 +120,6 @@ TransportOptions parse_transport(Fields fields)
     if (options.target_standard_error) { options.samples = enough; }
     options.samples =
         static_cast<unsigned>(fields.integer("samples", 1, 65536).value_or(options.samples));
-    if (options.target_standard_error && options.samples < 2) {
-        fields.fail(Fault::OutOfRange, "samples",
-                    "found 1; a standard error is told from at least 2 samples, so "
-                    "\"target_standard_error\" needs them");
-    }
     options.bounces = static_cast<unsigned>(fields.integer("bounces", 0, 64).value_or(0));
     fields.finish();
     return options;
@@ -213,12 +208,6 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
     request.output.quantities.color = true;
     if (auto output = root.object("output", "\"output\"")) {
         request.output = parse_output(std::move(*output), limits);
-    }
-    if (request.output.quantities.standard_error && scene.transport.samples < 2) {
-        errors.report(make_error(Fault::OutOfRange,
-                                 "found 1; a standard error is told from at least 2 samples, and "
-                                 "the output asks for it",
-                                 "/transport/samples"));
     }
     if (explain) { request.vertices = parse_vertices(root); }
     if (root.flag("receipt").value_or(false)) {

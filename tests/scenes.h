@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 #include "core/transport/transport.h"
 #include "tests/shapes.h"
@@ -22,7 +23,7 @@ inline Light light_of(LightShape shape, Rgb power = Rgb::grey(1.0))
 {
     Light light;
     light.name = "light";
-    light.shape = shape;
+    light.shape = std::move(shape);
     light.power = power;
     return light;
 }

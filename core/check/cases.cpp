@@ -48,7 +48,7 @@ void Cases::drawn(std::string name, std::string formula, double expected, Drawn 
     const double size = std::abs(expected);
     const double four = std::fmin(4.0 * computed.standard_error, most * size);
     add(std::move(name), std::move(formula), expected, computed.value, four + share * size,
-        "4 standard errors + relative " + short_number(share));
+        "4 standard errors (at most 5 %) + relative " + short_number(share));
 }
 
 }  // namespace relight

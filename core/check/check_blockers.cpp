@@ -138,8 +138,11 @@ void check_standard_error(Cases& cases)
 {
     cases.group("standard error", "1");
     // The window and the roof of check_penumbra, from places that see 15 to 85 % of it.
-    std::vector<Meter> places;
-    for (int i = 0; i < 8; ++i) { places.push_back({{-0.15 - 0.1 * i, 0.05 * i, 0}}); }
+    std::vector<Meter> places(8);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const auto k = static_cast<double>(i);
+        places[i].p = {-0.15 - 0.1 * k, 0.05 * k, 0};
+    }
     const Meters meters(roof(far), places);
     Scene scene = lit_by({light_of(RectLight{{0.5, 0, 2}, {0, 2, 0}, {1, 0, 0}, false})}, 256);
     const auto factor = [](double a,

@@ -29,7 +29,7 @@ struct Lobe {
     std::string name;
     double alpha;
     std::function<double(double cos_m)> D;
-    std::function<double(Vec3 w)> Lambda_cos;
+    std::function<double(Vec3 w)> hidden;  ///< Lambda(w) cos(w)
 };
 
 Lobe beckmann_lobe(double alpha)
@@ -61,7 +61,7 @@ double over_facets(const Lobe& lobe, const std::function<double(double cos_m, do
         lobe.alpha);
 }
 
-void check_D(Cases& cases)
+void check_normals(Cases& cases)
 {
     cases.group("D", "1");
     std::vector<Lobe> lobes;
@@ -109,7 +109,7 @@ void check_D(Cases& cases)
     cases.relative("GTR of width 1 is even", "D = 1 / pi", 1.0 / pi, gtr::D(0.4, 1.0, 1.3), 1e-12);
 }
 
-void check_G1(Cases& cases)
+void check_masking(Cases& cases)
 {
     cases.group("G1", "1");
     for (const Lobe& lobe : {beckmann_lobe(0.1), beckmann_lobe(0.5), ggx_lobe(0.1), ggx_lobe(0.5),
@@ -123,7 +123,7 @@ void check_G1(Cases& cases)
             });
             cases.relative("seen share of " + lobe.name + ", at " + number(degrees) + " degrees",
                            "G1 = cos / int (wo.m)+ D dm", c / facing,
-                           smith::G1(c, lobe.Lambda_cos({s, 0, c})));
+                           smith::G1(c, lobe.hidden({s, 0, c})));
         }
     }
     const double c = std::cos(1.2), t = std::tan(1.2);
@@ -183,8 +183,8 @@ void check_jacobian(Cases& cases)
 
 void check_distributions(Cases& cases)
 {
-    check_D(cases);
-    check_G1(cases);
+    check_normals(cases);
+    check_masking(cases);
     check_jacobian(cases);
 }
 

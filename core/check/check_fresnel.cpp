@@ -26,6 +26,12 @@ void check_fresnel(Cases& cases)
     const double s = std::sin(t - tt) / std::sin(t + tt), p = std::tan(t - tt) / std::tan(t + tt);
     cases.relative("glass at 60 degrees", "F = (sin^2(a-b)/sin^2(a+b) + tan^2(a-b)/tan^2(a+b)) / 2",
                    0.5 * (s * s + p * p), fresnel::dielectric(n, std::cos(t)), 1e-12);
+    const double out = 40.0 * std::numbers::pi / 180.0, ot = std::asin(n * std::sin(out));
+    const double os = std::sin(ot - out) / std::sin(ot + out);
+    const double op = std::tan(ot - out) / std::tan(ot + out);
+    cases.relative("out of glass at 40 degrees, just before total reflection",
+                   "F = (sin^2(a-b)/sin^2(a+b) + tan^2(a-b)/tan^2(a+b)) / 2",
+                   0.5 * (os * os + op * op), fresnel::dielectric(1.0 / n, std::cos(out)), 1e-12);
     cases.relative("total reflection within glass at 60 degrees", "F = 1", 1.0,
                    fresnel::dielectric(1.0 / n, std::cos(t)), 1e-12);
     cases.relative("metal that absorbs nothing is glass", "F(n + 0i) = F(n)", 0.5 * (s * s + p * p),

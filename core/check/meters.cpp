@@ -166,7 +166,7 @@ Light shining(const Mesh& mesh, std::size_t faces, double power)
     std::vector<Emitter> emitters(faces);
     for (std::uint32_t t = 0; t < faces; ++t) {
         for (std::size_t c = 0; c < 3; ++c) {
-            emitters[t].corners[c] = mesh.positions[mesh.faces.indices[3 * t + c]];
+            emitters[t].corners[c] = mesh.positions[mesh.faces.indices[std::size_t{3} * t + c]];
         }
         emitters[t].primitive = t;
         emitters[t].L = Rgb::grey(1.0);

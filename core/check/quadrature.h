@@ -9,18 +9,25 @@
 /// Integrals that know nothing of the formulas they check.
 namespace relight::quadrature {
 
-/// int g(x) dx over [a, b]: Gauss-Legendre of 5 points on each of `panels` equal parts.
+/// Gauss-Legendre of 5 points on [-1, 1]; the weights add up to 2.
+struct Node {
+    double x, weight;
+};
+inline constexpr Node gauss[] = {{-0.9061798459386640, 0.2369268850561891},
+                                 {-0.5384693101056831, 0.4786286704993665},
+                                 {0.0, 0.5688888888888889},
+                                 {0.5384693101056831, 0.4786286704993665},
+                                 {0.9061798459386640, 0.2369268850561891}};
+
+/// int g(x) dx over [a, b]: that rule on each of `panels` equal parts.
 template <class G>
 double over_interval(G g, double a, double b, int panels)
 {
-    constexpr double x[] = {0.0, 0.5384693101056831, 0.9061798459386640};
-    constexpr double w[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
     const double half = 0.5 * (b - a) / panels;
     double sum = 0.0;
     for (int i = 0; i < panels; ++i) {
-        const double mid = a + half * (2 * i + 1);
-        sum += w[0] * g(mid);
-        for (int k = 1; k < 3; ++k) { sum += w[k] * (g(mid - half * x[k]) + g(mid + half * x[k])); }
+        const double middle = a + half * (2.0 * i + 1.0);
+        for (const Node& node : gauss) { sum += node.weight * g(middle + half * node.x); }
     }
     return sum * half;
 }

@@ -57,7 +57,7 @@ struct SampleLight {
     Sample2 s;
     double pick;
 
-    LightSample operator()(const RectLight& light) const { return sample(light, p, s, pick); }
+    LightSample operator()(const RectLight& light) const { return sample(light, p, s); }
     LightSample operator()(const DiskLight& light) const { return sample(light, p, s); }
     LightSample operator()(const SphereLight& light) const { return sample(light, p, s); }
     LightSample operator()(const DirectionalLight& light) const { return sample(light, s); }

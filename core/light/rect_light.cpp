@@ -27,6 +27,8 @@ std::array<TriangleView, 2> halves_of(const RectLight& light, Point3 p)
     return {view({at[0], at[1], at[2]}, p), view({at[0], at[2], at[3]}, p)};
 }
 
+constexpr double below_one = 1.0 - 0x1p-33;
+
 /// What is seen of a half that is drawn in proportion to its solid angle.
 LightSample part_of(LightSample half, double share)
 {
@@ -52,13 +54,17 @@ double irradiance(const RectLight& light, Point3 p, Dir3 n)
     return polygon_irradiance(corners, p, n);
 }
 
-LightSample sample(const RectLight& light, Point3 p, Sample2 s, double pick)
+LightSample sample(const RectLight& light, Point3 p, Sample2 s)
 {
     if (!shines_toward(light, p)) { return {}; }
     const std::array<TriangleView, 2> halves = halves_of(light, p);
     const double whole = halves[0].solid_angle + halves[1].solid_angle;
     if (whole == 0.0) { return {}; }
-    const TriangleView& half = halves[pick * whole < halves[0].solid_angle ? 0 : 1];
+    // s.u chooses the half and is then spread over it: points that are well apart stay so.
+    const double at = s.u * whole;
+    const bool first = at < halves[0].solid_angle;
+    const TriangleView& half = halves[first ? 0 : 1];
+    s.u = std::min((first ? at : at - halves[0].solid_angle) / half.solid_angle, below_one);
     return part_of(sample(half, s), half.solid_angle / whole);
 }
 

@@ -18,9 +18,9 @@ double area(const RectLight& light);
 /// E at p facing n from radiance 1 [sr].   Test: Polygon.ARectangle*
 double irradiance(const RectLight& light, Point3 p, Dir3 n);
 
-/// Uniform in the solid angle of the whole rectangle: `pick` chooses one of its two triangles in
-/// proportion to theirs. "no direction" from behind, in its plane, or without area.
-LightSample sample(const RectLight& light, Point3 p, Sample2 s, double pick);
+/// Uniform in the solid angle of the whole rectangle, that is of its two triangles. "no direction"
+/// from behind, in its plane, or without area.
+LightSample sample(const RectLight& light, Point3 p, Sample2 s);
 LightSample look(const RectLight& light, Point3 p, Dir3 wi);
 
 }  // namespace relight

@@ -410,7 +410,7 @@ def test_bodies_that_are_not_what_they_should_be_are_refused(server):
 @pytest.mark.parametrize("request_, code, pointer", [
     ({"mesh": MESH, "lights": [{"type": "point", "position": [0, 0, 1], "intensty_cd": 3}]},
      "unknown_field", "/lights/0/intensty_cd"),
-    ({"mesh": MESH, "lights": [{"type": "rect"}]}, "not_available", "/lights/0/type"),
+    ({"mesh": MESH, "lights": [{"type": "rect"}]}, "missing_field", "/lights/0/center"),
     ({"mesh": MESH, "output": {"format": "ply", "width": 30}}, "conflicting_fields", "/output/width"),
     ({"mesh": MESH, "output": {"format": "png", "quantities": ["irradiance"]}}, "conflicting_fields",
      "/output/quantities"),

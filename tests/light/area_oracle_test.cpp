@@ -73,12 +73,8 @@ TEST(AreaOracle, EveryPolygonAgreesInClosedFormAndBySamples)
         if (is_rect) {
             const RectLight rect{v[0] + (v[2] - v[0]) * 0.5, v[1] - v[0], v[3] - v[0], two_sided};
             expect_exact(at.L * irradiance(rect, at.p, at.n), at.E);
-            const test::Estimate by_samples = test::estimate(
-                [&] {
-                    const Sample2 s = random.square();
-                    return sample(rect, at.p, s, random.next());
-                },
-                at.n, samples);
+            const test::Estimate by_samples =
+                test::estimate([&] { return sample(rect, at.p, random.square()); }, at.n, samples);
             if (at.E == 0.0) {
                 EXPECT_EQ(by_samples.mean, 0.0);
             } else {

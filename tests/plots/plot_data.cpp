@@ -156,7 +156,7 @@ int main()
     print_fall("penumbra, plain Monte Carlo", [&](unsigned n, std::uint64_t seed) {
         return plain(shadowed, light_of(window), penumbra, n, seed);
     });
-    Image gradient{512, 256, std::vector<Rgbf>(512 * 256), {}};
+    Image gradient{512, 256, std::vector<Rgbf>(std::size_t{512} * 256), {}};
     for (int y = 0; y < 256; ++y) {
         for (int x = 0; x < 512; ++x) {
             const double phi = 2.0 * std::numbers::pi * (x + 0.5) / 512.0;

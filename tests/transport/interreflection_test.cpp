@@ -74,12 +74,12 @@ std::vector<json> cases_of(const std::string& kind)
 Light mesh_light(const Mesh& mesh, const std::vector<Rgb>& radiance_of_triangle)
 {
     std::vector<Emitter> emitters;
-    for (std::uint32_t t = 0; t < radiance_of_triangle.size(); ++t) {
+    for (std::size_t t = 0; t < radiance_of_triangle.size(); ++t) {
         Emitter emitter;
         for (std::size_t c = 0; c < 3; ++c) {
             emitter.corners[c] = mesh.positions[mesh.faces.indices[3 * t + c]];
         }
-        emitter.primitive = t;
+        emitter.primitive = static_cast<std::uint32_t>(t);
         emitter.L = radiance_of_triangle[t];
         emitters.push_back(emitter);
     }

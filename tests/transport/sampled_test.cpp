@@ -57,7 +57,7 @@ struct Penumbra {
 
 EnvironmentLight bright_sky()
 {
-    Image image{16, 8, std::vector<Rgbf>(16 * 8), {}};
+    Image image{16, 8, std::vector<Rgbf>(std::size_t{16} * 8), {}};
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
         const auto u = static_cast<float>(uniform(1, i, 0, 0));
         image.pixels[i] = {u, 0.5F + u * u, i == 37 ? 40.0F : 0.2F};
@@ -277,7 +277,8 @@ TEST(Sampled, EachVertexStopsWhenItsOwnErrorIsReached)
         const Column column = meters.read(scene);
         EXPECT_GT(column.rays, rays);  // a finer target costs more
         rays = column.rays;
-        EXPECT_LT(rays, 65536U * penumbra.places.size() / 4);  // and less than all there are
+        EXPECT_LT(rays, std::uint64_t{65536} * penumbra.places.size() /
+                            4);  // and less than all there are
         for (std::size_t i = 0; i < penumbra.truth.size(); ++i) {
             const double error = 3.0 * static_cast<double>(column.standard_error[i]);
             EXPECT_LE(error, share * most);
@@ -293,11 +294,11 @@ TEST(Sampled, AShiningFaceLightsAsTheRectangleInItsPlace)
     Mesh faces = test::mesh_of({{-0.4, -0.6, 2}, {-0.4, 0.6, 2}, {0.4, 0.6, 2}, {0.4, -0.6, 2}},
                                {0, 1, 2, 0, 2, 3});
     std::vector<Emitter> emitters(2);
-    for (std::uint32_t t = 0; t < 2; ++t) {
+    for (std::size_t t = 0; t < 2; ++t) {
         for (std::size_t c = 0; c < 3; ++c) {
             emitters[t].corners[c] = faces.positions[faces.faces.indices[3 * t + c]];
         }
-        emitters[t].primitive = t;
+        emitters[t].primitive = static_cast<std::uint32_t>(t);
         emitters[t].L = {2, 1, 3};
     }
     const MeshLight light{std::make_shared<const EmitterTable>(emitters)};
