@@ -1,6 +1,7 @@
 #include <charconv>
 #include <numbers>
 #include <unordered_map>
+#include <utility>
 
 #include "core/shade/raytrace.h"
 #include "server/json_text.h"
@@ -142,7 +143,13 @@ std::shared_ptr<const EmitterTable> emitters_of(const Scene& scene, const Mesh& 
         const std::size_t face = surface.triangle_face.empty() ? t : surface.triangle_face[t];
         const Rgb L = radiance[grouped ? scene.material_of_group[mesh.face_materials[face]] : 0];
         if (is_black(L)) { continue; }
-        const auto [a, b, c] = surface.triangles[t];
+        auto [a, b, c] = surface.triangles[t];
+        // Filed normals say which side is the front, before the winding does.
+        const Vec3 wound =
+            cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+        const Vec3 front =
+            Vec3(surface.normals[a]) + Vec3(surface.normals[b]) + Vec3(surface.normals[c]);
+        if (dot(wound, front) < 0.0) { std::swap(b, c); }
         emitters.push_back({{mesh.positions[a], mesh.positions[b], mesh.positions[c]},
                             static_cast<std::uint32_t>(t),
                             L});

@@ -101,6 +101,12 @@ std::optional<Error> check_format(const Output& output, Format format)
                           "/output/quantities");
     }
     if (format == Format::Exr) {
+        if (q.standard_error && output.samples < 4) {
+            return make_error(Fault::OutOfRange,
+                              "found " + std::to_string(output.samples) +
+                                  "; the standard error of a pixel is told from at least 4 samples",
+                              "/output/samples");
+        }
         if (output.renderer == Renderer::Vtk) {
             return make_error(Fault::ConflictingFields,
                               "vtk draws display colours; an exr holds radiance: take "

@@ -89,12 +89,14 @@ class Follower {
             const double share = lamp.by_light ? mis::balance(1, way.pdf, 1, there.pdf) : 1.0;
             const Deposit found = deposit(path, lamp, way.weight * there.L * share);
             if (!there.wi || is_black(found.value)) { continue; }
-            if (faces != nullptr || !lamp.shadowed) {
+            // What the way meets tells whether a sky is seen; nearer lights have rays of their own.
+            const bool is_told = hit != nullptr && !std::isfinite(there.distance);
+            const bool is_open =
+                is_told && (hit->primitive == ~0U || hit->distance > way.ray.distance);
+            if (faces != nullptr || !lamp.shadowed || is_open) {
                 RayQueue::give(found);
-            } else if (hit == nullptr || std::isfinite(there.distance)) {
+            } else if (!is_told) {
                 queue_.ask(ray_toward(path.seen, way.wi, there.distance), found);
-            } else if (hit->primitive == ~0U || hit->distance > way.ray.distance) {
-                RayQueue::give(found);
             }
         }
     }
@@ -155,8 +157,9 @@ class Follower {
 
 }  // namespace
 
-World::World(const Stage& s, const Scene& sc) : stage(s), scene(sc)
+World world_of(const Stage& stage, const Scene& scene)
 {
+    World world{stage, scene, {}};
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
         const Light& light = scene.lights[l];
         if (!light.enabled) { continue; }
@@ -169,10 +172,11 @@ World::World(const Stage& s, const Scene& sc) : stage(s), scene(sc)
         // how to find it.
         lamp.by_surface =
             !lamp.delta && !(is_face && (!lamp.shadowed || scene.transport.max_distance));
-        any_by_surface = any_by_surface || lamp.by_surface;
-        any_faces = any_faces || (is_face && lamp.by_surface);
-        lamps.push_back(lamp);
+        world.any_by_surface = world.any_by_surface || lamp.by_surface;
+        world.any_faces = world.any_faces || (is_face && lamp.by_surface);
+        world.lamps.push_back(lamp);
     }
+    return world;
 }
 
 void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)

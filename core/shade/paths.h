@@ -21,14 +21,13 @@ struct Lamp {
 
 /// The scene as paths see it.
 struct World {
-    World(const Stage& stage, const Scene& scene);
-
     const Stage& stage;
     const Scene& scene;
     std::vector<Lamp> lamps;
     bool any_by_surface = false;
     bool any_faces = false;  ///< some of them are faces of the mesh, found by the ray itself
 };
+World world_of(const Stage& stage, const Scene& scene);
 
 /// A path that comes from the eye, at a place where it looks for light.
 struct EyePath {

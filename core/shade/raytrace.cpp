@@ -60,12 +60,14 @@ Block aim(const Canvas& canvas, std::size_t begin, std::size_t end)
     PixelSamples places(canvas.side, options.seed);
     for (std::size_t pixel = begin; pixel < end; ++pixel) {
         places.move_to(pixel);
+        const std::size_t column = pixel % width;
+        const std::size_t row = pixel / width;
         for (int s = 0; s < static_cast<int>(canvas.samples()); ++s) {
             const auto [dx, dy] = places.at(s);
             const auto replicate = static_cast<std::size_t>(places.replicate(s));
-            const Dir3 direction = through_pixel(
-                canvas.camera, camera.fov_y, options.width, options.height,
-                static_cast<double>(pixel % width) + dx, static_cast<double>(pixel / width) + dy);
+            const Dir3 direction =
+                through_pixel(canvas.camera, camera.fov_y, options.width, options.height,
+                              static_cast<double>(column) + dx, static_cast<double>(row) + dy);
             const std::size_t first =
                 ((pixel - begin) * canvas.replicates() + replicate) * canvas.columns();
             block.samples.push_back({block.sums.data() + first, pixel,
@@ -183,7 +185,7 @@ Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions&
 {
     const std::size_t pixels =
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
-    const World world(stage, scene);
+    const World world = world_of(stage, scene);
     Rendered rendered;
     const Canvas canvas{world, options, axes(scene.camera),
                         static_cast<int>(std::ceil(std::sqrt(options.samples))), rendered};

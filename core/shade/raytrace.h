@@ -25,10 +25,10 @@ struct Rendered {
     Image image;
     /// Of each pixel's mean, a band: +-1.96 of it is a 95 % band. The n^2 samples of a pixel form n
     /// replicates with random numbers of their own (pixel_samples.h); their means' spread is the
-    /// error, with Student's factor for so few. Honest for the noise of lights and bounces and for
-    /// whatever changes steadily across a pixel; at sharp edges up to some three times too large,
-    /// for all samples together know the edge better than a replicate. 0 where all agree. Empty
-    /// with one sample a pixel: nothing tells it then.
+    /// error, with Student's factor for so few. Honest, from 16 samples on, for the noise of lights
+    /// and bounces and for what changes steadily across a pixel; at sharp edges up to some three
+    /// times too large, for all samples together know an edge better than a replicate does. 0 where
+    /// all agree. Empty with one sample a pixel: nothing tells it then.
     std::vector<Rgbf> standard_error;
     /// One image a light of the scene (black if it is not enabled): what of `image` is its doing,
     /// seen straight, as sky or reflected; if asked for. They add up to the image but for what no

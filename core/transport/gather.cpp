@@ -118,9 +118,11 @@ void gather_direct(const Source& source, const Receiver& receiver, const Respons
     const LightShape& shape = source.light.shape;
     const auto* faces = std::get_if<MeshLight>(&shape);
     const bool shadowed = source.shadowed();
-    // A face seen along a ray is the light only where the ray meets it first.
+    // A face seen along a ray is the light only where the ray meets it first, whatever is between.
     const bool response_only = is_even_sky(shape);
-    const bool light_only = (closed && !response_only) || (faces != nullptr && !shadowed);
+    const bool seen_through =
+        faces != nullptr && (!shadowed || source.scene.transport.max_distance.has_value());
+    const bool light_only = (closed && !response_only) || seen_through;
     const double share = light_only || response_only ? 1.0 : 0.5;  // of the points, each way
     const auto density = [&](double by_light, double by_response) {
         return (response_only ? 0.0 : share * by_light) + (light_only ? 0.0 : share * by_response);
@@ -156,7 +158,7 @@ void gather_direct(const Source& source, const Receiver& receiver, const Respons
                            source.scene.transport);
             const Hit hit = source.stage.bvh->nearest(ray.origin, ray.direction, ray.from);
             queue.count(1);
-            if (hit.primitive == ~0U || hit.distance > ray.distance) { continue; }
+            if (hit.primitive == ~0U) { continue; }
             there = faces->table->look(hit.primitive, receiver.p, wi);
             const double p = density(there.pdf, by_response);
             lit += ratio(there.L * response.value(local), p);

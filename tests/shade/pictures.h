@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/shade/raytrace.h"
+#include "core/transport/budget.h"
 #include "tests/scenes.h"
 
 namespace relight::test {
@@ -23,7 +24,9 @@ inline Camera pinhead(Point3 eye, Point3 p, double fov_y = 1e-6)
 struct Mean {
     Rgb value, error;
 };
-inline Mean mean_of(const Rendered& rendered)
+/// @param samples a pixel: all pixels together have so many replicates that Student's factor of the
+/// few of one pixel is taken out again
+inline Mean mean_of(const Rendered& rendered, int samples)
 {
     Rgb sum, variance;
     for (std::size_t i = 0; i < rendered.image.pixels.size(); ++i) {
@@ -31,8 +34,14 @@ inline Mean mean_of(const Rendered& rendered)
         sum += to_double(rendered.image.pixels[i]);
         variance += error * error;
     }
-    const auto n = static_cast<double>(rendered.image.pixels.size());
-    return {sum / n, Rgb{std::sqrt(variance.r), std::sqrt(variance.g), std::sqrt(variance.b)} / n};
+    const double n = static_cast<double>(rendered.image.pixels.size());
+    const double factor = student_factor(static_cast<unsigned>(std::ceil(std::sqrt(samples)))) * n;
+    return {sum / n,
+            Rgb{std::sqrt(variance.r), std::sqrt(variance.g), std::sqrt(variance.b)} / factor};
+}
+inline Mean mean_picture(const Stage& stage, const Scene& scene, const RaytraceOptions& options)
+{
+    return mean_of(picture(stage, scene, options), options.samples);
 }
 
 /// A square of side 2 r around p that faces n: four corners of its own, two triangles.
