@@ -123,6 +123,7 @@ void gather_direct(const Source& source, const Receiver& receiver, const Respons
     const bool seen_through =
         faces != nullptr && (!shadowed || source.scene.transport.max_distance.has_value());
     const bool light_only = (closed && !response_only) || seen_through;
+    const bool parts = faces != nullptr || std::holds_alternative<SkyLight>(shape);
     const double share = light_only || response_only ? 1.0 : 0.5;  // of the points, each way
     const auto density = [&](double by_light, double by_response) {
         return (response_only ? 0.0 : share * by_light) + (light_only ? 0.0 : share * by_response);
@@ -138,8 +139,8 @@ void gather_direct(const Source& source, const Receiver& receiver, const Respons
         // Each way takes the points of its sequence in their order: its own net.
         const unsigned i = light_only || response_only ? point : point / 2;
         if (!response_only && (light_only || point % 2 == 0)) {
-            const LightSample there =
-                sample(shape, receiver.p, sequence.at(i, light_pair), sequence.at(i, light_pick).u);
+            const double pick = parts ? sequence.at(i, light_pick).u : 0.0;
+            const LightSample there = sample(shape, receiver.p, sequence.at(i, light_pair), pick);
             if (!there.wi) { continue; }
             const Vec3 wi = receiver.frame.to_local(there.wi);
             const double p = density(there.pdf, response.pdf(wi));

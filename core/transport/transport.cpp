@@ -8,8 +8,15 @@
 namespace relight {
 namespace {
 
-constexpr std::size_t delta_block = 2048;   // vertices between two looks at progress
-constexpr std::size_t sampled_block = 128;  // the same, of many rays each
+constexpr std::size_t delta_block = 2048;  // vertices between two looks at progress
+
+/// The same where each vertex asks for many rays: some hundred thousand of them together.
+std::size_t sampled_block(const Scene& scene)
+{
+    constexpr double rays = 1 << 18;
+    const double a_vertex = scene.transport.samples * (1.0 + 2.0 * scene.transport.bounces);
+    return static_cast<std::size_t>(std::clamp(rays / a_vertex, 1.0, 256.0));
+}
 
 /// Copies a block's values into the whole column's.
 template <class T>
@@ -42,7 +49,7 @@ std::shared_ptr<const Column> whole_column(const Source& source, bool radiance,
     if (sampled) { whole->standard_error.resize(vertices * (bounces ? 3 : whole->bands)); }
     if (radiance && needs_radiance(source)) { whole->Lo.resize(vertices * 3); }
     std::atomic<std::uint64_t> rays{0};
-    parallel_for(vertices, sampled ? sampled_block : delta_block, threads, progress,
+    parallel_for(vertices, sampled ? sampled_block(source.scene) : delta_block, threads, progress,
                  [&](std::size_t begin, std::size_t end) {
                      const std::size_t count = end - begin;
                      const Column part = block_of(source, radiance, materials, begin, end);
@@ -65,7 +72,7 @@ void add_sky_visibility(const Stage& stage, const Scene& scene, const TransportW
     transport.ambient_occlusion.resize(vertices);
     if (wanted.sh) { transport.sh.resize(9 * vertices); }
     std::atomic<std::uint64_t> rays{0};
-    parallel_for(vertices, sampled_block, wanted.threads, progress,
+    parallel_for(vertices, sampled_block(scene), wanted.threads, progress,
                  [&](std::size_t begin, std::size_t end) {
                      const SkyVisibility sky = sky_visibility(stage, scene, wanted.sh, begin, end);
                      place(transport.ambient_occlusion, sky.ambient_occlusion, begin, end - begin);
