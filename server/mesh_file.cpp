@@ -100,6 +100,8 @@ std::string_view media_type_of(std::string_view format)
     if (format == "obj") { return "model/obj"; }
     if (format == "stl") { return "model/stl"; }
     if (format == "off") { return "model/off"; }
+    if (format == "hdr") { return "image/vnd.radiance"; }
+    if (format == "exr") { return "image/x-exr"; }
     return "application/octet-stream";
 }
 

@@ -63,7 +63,10 @@ double directional_albedo(const Mirror& f, Vec3 wo, double alpha_x, double alpha
         const double root = std::sqrt(facing * facing + co * co * s2);
         const double R = facing > 0.0 ? (facing + root) / (co * s2) : co / (root - facing);
         double sum = 0.0;
-        for (double t = -reach - std::log1p(R); t < reach; t += step) {
+        const double start = -reach - std::log1p(R);
+        const int points = static_cast<int>(std::ceil((reach - start) / step));
+        for (int i = 0; i < points; ++i) {
+            const double t = start + i * step;
             const double rho = R / (1.0 + std::exp(-t));
             const double left = R / (1.0 + std::exp(t));  // R - rho
             const double hz2 = 1.0 / (1.0 + s2 * rho * rho);

@@ -165,9 +165,7 @@ class HdrReader {
         width_ = side(width);
         height_ = side(height);
         std::uint64_t least = 4;  // one texel, then runs: the k-th in a row counts in 256^k
-        for (double reach = 1.0; reach < static_cast<double>(width_); reach *= 256.0) {
-            least += 4;
-        }
+        for (std::uint64_t rest = width_; rest > 1; rest = (rest + 255) / 256) { least += 4; }
         if (height_ > left() / least) {
             return scanner.error(Fault::CountExceedsFile,
                                  "announces " + shown(text) + ", more scanlines than the " +

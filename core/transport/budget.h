@@ -37,7 +37,7 @@ constexpr double student_factor(unsigned replicates)
     constexpr double t[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
                             2.262,  2.228, 2.201, 2.179, 2.160, 2.145, 2.131};
     constexpr double t_of_32 = 2.040;
-    return (replicates <= 16 ? t[replicates - 2] : t_of_32) / 1.960;
+    return (replicates <= 16 ? t[std::max(replicates, 2U) - 2] : t_of_32) / 1.960;
 }
 
 /// What the samples of one vertex under one light have come to, a replicate each. Sums over the

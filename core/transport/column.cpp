@@ -107,10 +107,8 @@ Rgb settle(const Sampling& vertex, Budget budget, unsigned each, Column& column)
     const Tally& tally = vertex.tally;
     const Estimate direct = estimate(tally, budget.replicates, each, vertex.closed);
     const auto write = [](std::vector<float>& values, unsigned bands, std::size_t at, Rgb value) {
-        const double band[3] = {value.r, value.g, value.b};
-        for (unsigned b = 0; b < bands; ++b) {
-            values[at * bands + b] = static_cast<float>(band[b]);
-        }
+        const Rgbf band = to_float(value);
+        std::copy_n(band.begin(), bands, values.begin() + static_cast<std::ptrdiff_t>(at * bands));
     };
     if (vertex.direct) {
         write(column.E, column.bands, vertex.at, direct.value);

@@ -180,7 +180,10 @@ def test_files_of_lights_are_kept_as_meshes_are(server, path, name):
         assert call(server, "POST", path, file.read_bytes()).status == 200
         where = first.headers["Location"]
         assert call(server, "GET", where).json() == first.json()
-        assert call(server, "GET", where + "/content").body == file.read_bytes()
+        content = call(server, "GET", where + "/content")
+        assert content.body == file.read_bytes()
+        kinds = {".hdr": "image/vnd.radiance", ".exr": "image/x-exr", ".ies": "application/octet-stream"}
+        assert content.headers["Content-Type"] == kinds[file.suffix]
     listed = call(server, "GET", path + "?limit=1000").json()
     assert first.json() in listed[path.rsplit("/", 1)[1]]
     assert call(server, "DELETE", where).status == 204
