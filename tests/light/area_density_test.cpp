@@ -87,7 +87,7 @@ struct Parts {
             return dot(edge, edge);
         };
         std::size_t longest = 0;
-        for (const std::size_t i : {1, 2}) {
+        for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
             longest = length2(i) > length2(longest) ? i : longest;
         }
         const Point3 a = t[longest], b = t[(longest + 1) % 3], c = t[(longest + 2) % 3];

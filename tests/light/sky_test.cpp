@@ -234,7 +234,7 @@ TEST(Sky, NothingJumpsWhileTheSunSets)
 
 TEST(Sky, IsFiniteNotNegativeAndDarkBelowTheHorizon)
 {
-    for (double T = least_turbidity; T <= largest_turbidity; T += 2.0) {
+    for (const double T : {least_turbidity, 4.0, 6.0, 8.0, largest_turbidity}) {
         for (const double altitude : {-90.0, -5.0, 0.0, 0.01, 3.0, 30.0, 60.0, 89.999, 90.0}) {
             const SkyLight sky = make_sky(sun_at(altitude, 77.0), T);
             const Image& image = sky.dome->image();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace relight {
 namespace {
@@ -33,9 +34,17 @@ Chromaticity planckian(double T)
     return {x, y};
 }
 
+/// From `first` in steps of `ratio` up to the largest [K].
+std::vector<double> temperatures(double first, double ratio)
+{
+    std::vector<double> all{first};
+    while (all.back() * ratio <= largest_temperature_k) { all.push_back(all.back() * ratio); }
+    return all;
+}
+
 TEST(Temperature, HasLuminanceOneAndNoNegativeBand)
 {
-    for (double T = least_temperature_k; T <= largest_temperature_k; T *= 1.01) {
+    for (const double T : temperatures(least_temperature_k, 1.01)) {
         const Rgb c = blackbody(T);
         EXPECT_NEAR(luminance(c), 1.0, 1e-12) << T;
         EXPECT_TRUE(c.r >= 0.0 && c.g >= 0.0 && c.b >= 0.0) << T;
@@ -58,7 +67,7 @@ TEST(Temperature, LiesOnThePlanckianLocus)
 TEST(Temperature, HotterIsBluer)
 {
     double red = 1e9, blue = -1.0;
-    for (double T = least_temperature_k; T <= largest_temperature_k; T *= 1.1) {
+    for (const double T : temperatures(least_temperature_k, 1.1)) {
         const Rgb c = blackbody(T);
         EXPECT_LT(c.r, red) << T;
         EXPECT_GE(c.b, blue) << T;
@@ -71,9 +80,7 @@ TEST(Temperature, IsOutOfGamutOnlyBelowAbout1900K)
 {
     EXPECT_EQ(blackbody(1000.0).b, 0.0);
     EXPECT_EQ(blackbody(1800.0).b, 0.0);
-    for (double T = 2000.0; T <= largest_temperature_k; T *= 1.1) {
-        EXPECT_GT(blackbody(T).b, 0.0) << T;
-    }
+    for (const double T : temperatures(2000.0, 1.1)) { EXPECT_GT(blackbody(T).b, 0.0) << T; }
 }
 
 TEST(Temperature, NearTheWhitePointTheBandsAreNearlyEqual)

@@ -90,7 +90,6 @@ TEST(Sampled, TheTruthLiesInTheNinetyFivePercentBandNinetyFivePercentOfTheTime)
         Scene scene = scene_of({light_of(penumbra.window)}, samples);
         int within = 0;
         int all = 0;
-        NormalisedErrors errors;
         for (std::uint64_t seed = 0; seed < 200; ++seed) {
             scene.transport.seed = seed;
             const Column column = meters.read(scene);
