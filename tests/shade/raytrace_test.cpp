@@ -458,7 +458,6 @@ TEST(RaytraceLight, PixelsAgreeWithVerticesUnderEveryLightAndWithBounces)
         faces};
     constexpr std::size_t vertex = 4;
     NormalisedErrors errors;
-    Progress progress;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
         for (const unsigned bounces : {0U, 1U, 3U}) {
             scene.lights = {light_of(shapes[s], {1.0, 2.0, 3.0})};
