@@ -83,7 +83,7 @@ struct RelightRequest {
     std::vector<ClearSky> skies;
     std::vector<GroupMaterial> materials;
     CameraFields camera;
-    bool default_lights = true;  ///< the request names none
+    bool default_lights = true;           ///< the request names none
     std::vector<std::uint64_t> vertices;  ///< POST /v1/explain: which to explain
     double point_radius_scale = 1.5;
     Display display;
