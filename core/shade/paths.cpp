@@ -13,16 +13,6 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 // Pairs of dimensions of a path's sequence: at each place two for the way on and two a light.
 constexpr std::uint32_t way_pair = 0, way_pick = 1, first_light = 2;
 
-bool is_black(Rgb c)
-{
-    return !(c.r > 0.0 || c.g > 0.0 || c.b > 0.0);
-}
-
-Rgb ratio(Rgb a, double b)
-{
-    return b > 0.0 && is_finite(b) ? a / b : Rgb{};
-}
-
 /// f cos, toward the eye.
 Rgb response(const Seen& seen, Vec3 wi)
 {

@@ -50,9 +50,4 @@ struct Tally {
     unsigned blocked = 0;            ///< of them
 };
 
-/// Value and standard error of the mean of replicates[0 .. n).
-struct Estimate {
-    Rgb value, standard_error;
-};
-
 }  // namespace relight

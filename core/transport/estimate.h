@@ -6,6 +6,11 @@
 
 namespace relight {
 
+/// A mean of replicates and its standard error.
+struct Estimate {
+    Rgb value, standard_error;
+};
+
 /// Mean of the replicates and its standard error (with Student's factor), of what has been
 /// collected from `each` points a replicate.
 ///

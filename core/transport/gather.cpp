@@ -21,16 +21,6 @@ enum Pair : std::uint32_t {
 };
 constexpr std::uint32_t pairs_per_bounce = 3;
 
-Rgb ratio(Rgb a, double b)
-{
-    return b > 0.0 && is_finite(b) ? a / b : Rgb{};
-}
-
-bool is_black(Rgb c)
-{
-    return !(c.r > 0.0 || c.g > 0.0 || c.b > 0.0);
-}
-
 /// The ray that says whether a light's sample is seen; toward a shining face it stops before it.
 ShadowRay ray_toward(const Source& source, const Receiver& receiver, const LightSample& there)
 {

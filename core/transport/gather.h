@@ -28,6 +28,18 @@ struct Source {
     }
 };
 
+/// Nothing in any band.
+constexpr bool is_black(Rgb c)
+{
+    return !(c.r > 0.0 || c.g > 0.0 || c.b > 0.0);
+}
+
+/// A value over the density that it was drawn with; black where there is no such density.
+constexpr Rgb ratio(Rgb value, double pdf)
+{
+    return pdf > 0.0 && is_finite(pdf) ? value / pdf : Rgb{};
+}
+
 /// A share of a vertex's answer that counts if its ray gets through.
 struct Deposit {
     Rgb* lit;      ///< where it is added
