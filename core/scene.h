@@ -45,6 +45,9 @@ struct Scene {
     std::vector<Material> materials{Lambert{}};  ///< at least one; the first is for all the rest
     /// Mesh::materials' index -> index into `materials`; empty: the first for all.
     std::vector<std::uint32_t> material_of_group;
+    /// One a material: the file's own, which its textures vary (Mesh::maps of the face's group);
+    /// empty: none is.
+    std::vector<bool> textured;
     View view = NormalView{};
     Camera camera;
     TransportOptions transport;

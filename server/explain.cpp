@@ -79,7 +79,8 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
 {
     Explained explained;
     const std::size_t index = materials.empty() ? 0 : materials[v];
-    const Material& material = scene.materials[index];
+    const LocalMaterial local = vertex_material(stage, scene, materials, v);
+    const Material& material = *local;
     const Rgb color = vertex_color(stage, v);
     const Receiver receiver = vertex_receiver(stage, v);
     const auto seen = seen_vertex(stage, scene, v);

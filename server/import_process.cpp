@@ -294,4 +294,10 @@ Result<ImportedImage> import_exr(std::span<const std::byte> file, const ImportLi
     }
 }
 
+Result<Asset> import_gltf(std::span<const std::byte> /*file*/, const ImportLimits& /*limits*/,
+                          Progress& /*progress*/)
+{
+    return error(Fault::NotAvailable, "glTF is not read yet");
+}
+
 }  // namespace relight

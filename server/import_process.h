@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/asset.h"
 #include "core/base/camera.h"
 #include "core/base/progress.h"
 #include "core/base/result.h"
@@ -15,8 +16,10 @@ namespace relight {
 
 /// What one import may take.
 struct ImportLimits {
-    std::string program{};                   ///< path; empty: relight-import beside this program
-    std::uint64_t pixels = 1ULL << 25U;      ///< of the picture: 8192 x 4096
+    std::string program{};                 ///< path; empty: relight-import beside this program
+    std::uint64_t vertices = 100'000'000;  ///< of a mesh, instances unfolded
+    std::uint64_t faces = 200'000'000;
+    std::uint64_t pixels = 1ULL << 25U;      ///< of a picture or texture: 8192 x 4096
     std::uint64_t memory = 1ULL << 30U;      ///< of the process's address space [bytes]
     std::chrono::milliseconds time{20'000};  ///< from start to end, and of CPU time
 };
@@ -34,5 +37,10 @@ struct ImportedImage {
 /// if no process can be started.
 Result<ImportedImage> import_exr(std::span<const std::byte> file, const ImportLimits& limits,
                                  Progress& progress);
+
+/// Decodes a glTF or GLB file likewise (server/import/gltf.h): what comes back keeps every promise
+/// of Mesh and Asset, whatever became of the importer.   Errors: as import_exr's, and gltf.h's.
+Result<Asset> import_gltf(std::span<const std::byte> file, const ImportLimits& limits,
+                          Progress& progress);
 
 }  // namespace relight

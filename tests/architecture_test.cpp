@@ -24,14 +24,18 @@ const std::map<std::string, Room> table{
     {"core/base", {{}, {"immintrin"}}},
     {"core/light", {{"core/base"}, {}}},
     {"core/bsdf", {{"core/base"}, {}}},
-    {"core/geometry", {{"core/base"}, {"OpenMesh", "nanoflann"}}},
-    {"core", {{"core/base", "core/light", "core/bsdf"}, {}}},  // core/scene.h
+    {"core/texture", {{"core/base"}, {}}},
+    {"core/geometry", {{"core/base", "core/texture"}, {"OpenMesh", "nanoflann"}}},
+    {"core",  // core/scene.h, core/asset.h
+     {{"core/base", "core/light", "core/bsdf", "core/texture", "core/geometry"}, {}}},
     {"core/trace", {{"core/base", "core/geometry"}, {"embree3"}}},
     {"core/transport",
-     {{"core/base", "core/light", "core/bsdf", "core/geometry", "core", "core/trace"}, {}}},
+     {{"core/base", "core/light", "core/bsdf", "core/texture", "core/geometry", "core",
+       "core/trace"},
+      {}}},
     {"core/shade",
-     {{"core/base", "core/light", "core/bsdf", "core/geometry", "core", "core/trace",
-       "core/transport"},
+     {{"core/base", "core/light", "core/bsdf", "core/texture", "core/geometry", "core",
+       "core/trace", "core/transport"},
       {}}},
     {"core/display", {{"core/base"}, {}}},
     {"core/io",
@@ -42,7 +46,9 @@ const std::map<std::string, Room> table{
      {{"core/base", "core/light", "core/bsdf", "core/geometry", "core", "core/trace",
        "core/transport", "core/shade"},
       {}}},
-    {"server/import", {{"core/base"}, {"OpenEXR", "posix"}}},  // relight-import, a process apart
+    {"server/import",  // relight-import, a process apart
+     {{"core/base", "core/light", "core/bsdf", "core/texture", "core/geometry", "core"},
+      {"OpenEXR", "draco", "meshoptimizer", "stb", "nlohmann", "posix"}}},
     {"server",
      {{"server/import", "core/check", "core", "core/base", "core/light", "core/bsdf",
        "core/geometry", "core/trace", "core/transport", "core/shade", "core/display", "core/io",
@@ -89,6 +95,7 @@ std::string library_of(const std::string& header)
 {
     if (header.starts_with("vtk")) { return "vtk"; }
     static const std::map<std::string, std::string> flat{{"immintrin.h", "immintrin"},
+                                                         {"meshoptimizer.h", "meshoptimizer"},
                                                          {"nanoflann.hpp", "nanoflann"},
                                                          {"httplib.h", "httplib"},
                                                          {"zlib.h", "zlib"}};

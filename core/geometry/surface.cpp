@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/geometry/cloud_normals.h"
+#include "core/geometry/normal_map.h"
 #include "core/geometry/polygon.h"
 #include "core/geometry/spacing.h"
 #include "core/geometry/tangents.h"
@@ -120,7 +122,8 @@ FromFaces walk_faces(const Mesh& mesh, Surface& surface)
 
 }  // namespace
 
-Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress)
+Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress,
+                const CloudNormals& cloud_normals)
 {
     Surface surface;
     surface.bounds = bounds_of(mesh.positions);
@@ -132,18 +135,27 @@ Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress)
     const std::size_t count = mesh.positions.size();
     const bool cloud = surface.triangles.empty();
     FromFaces faces = walk_faces(mesh, surface);
+    const bool estimate = cloud && (cloud_normals.estimate || mesh.normals.empty());
+    const std::vector<Dir3> estimated =
+        estimate
+            ? estimate_normals(mesh.positions, mesh.absent, cloud_normals.toward, threads, progress)
+            : std::vector<Dir3>();
+    surface.intake.absent_points = mesh.absent.size();
     surface.normals.resize(count);
     for (std::size_t v = 0; v < count; ++v) {
-        const Dir3 filed = mesh.normals.empty() ? Dir3() : normalize(mesh.normals[v]);
-        const Dir3 computed = normalize(faces.normals[v]);
+        const Dir3 filed = estimate || mesh.normals.empty() ? Dir3() : normalize(mesh.normals[v]);
+        const Dir3 computed = estimate ? estimated[v] : normalize(faces.normals[v]);
         surface.normals[v] = filed ? filed : computed;
-        if (!filed && computed) { ++surface.intake.normals_computed; }
+        if (estimate && computed) { ++surface.intake.normals_estimated; }
+        if (!estimate && !filed && computed) { ++surface.intake.normals_computed; }
         if (filed && dot(filed, faces.normals[v]) < 0.0) { ++surface.intake.normals_opposing; }
         if (!surface.normals[v]) { ++surface.intake.unlit_vertices; }
         if (!cloud && faces.used[v] == 0) { ++surface.intake.unreferenced_vertices; }
         if (!std::isfinite(faces.shortest_edge[v])) { faces.shortest_edge[v] = 0.0F; }
     }
+    for (const std::uint32_t v : mesh.absent) { surface.normals[v] = {}; }
     surface.tangents = tangents_of(mesh, surface);
+    apply_normal_maps(mesh, surface);
     surface.spacing =
         cloud ? cloud_spacing(mesh.positions, threads, progress) : std::move(faces.shortest_edge);
     return surface;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,10 @@ struct Intake {
         0;  ///< whose two faces run the same way: no common orientation
     std::uint64_t unreferenced_vertices = 0;  ///< used by no face
     std::uint64_t unlit_vertices = 0;  ///< without a normal: used by no proper face, and none filed
-    std::uint64_t normals_computed = 0;  ///< vertices whose normal comes from the faces
-    std::uint64_t normals_opposing = 0;  ///< filed normals that point to the back of their faces
+    std::uint64_t normals_computed = 0;   ///< vertices whose normal comes from the faces
+    std::uint64_t normals_estimated = 0;  ///< points whose normal comes from their neighbours
+    std::uint64_t absent_points = 0;      ///< places without a point (NaN in the file)
+    std::uint64_t normals_opposing = 0;   ///< filed normals that point to the back of their faces
     std::uint64_t polygons_triangulated = 0;  ///< faces with more than three corners
     bool wound_inward = false;       ///< the faces enclose a volume and their fronts look into it
     Vec3 recentring_shift;           ///< subtracted before the acceleration structure is built
@@ -42,9 +45,12 @@ struct Surface {
     std::vector<Triangle> triangles;           ///< of the faces, in their order; empty for clouds
     std::vector<std::uint32_t> triangle_face;  ///< face of each triangle; empty: the same index
     std::vector<Dir3> normals;                 ///< V; "no direction": the vertex cannot be lit
-    /// V unit tangents along increasing u of the texture coordinates, perpendicular to the normal;
-    /// empty: the mesh has none. A zero one: none here.
-    std::vector<std::array<float, 3>> tangents;
+    /// V unit tangents along increasing u of the texture coordinates, perpendicular to the normal,
+    /// and the sign of the bitangent; empty: the mesh has none. A zero one: none here.
+    std::vector<std::array<float, 4>> tangents;
+    /// V normals before the mesh's normal maps bent them; empty: none did. Between vertices, these
+    /// are interpolated and bent anew.
+    std::vector<Dir3> smooth_normals;
     std::vector<float> spacing;  ///< V, scene units: shortest edge at the vertex; in a cloud,
                                  ///< 1/sqrt(points per area) around it
     Bounds bounds;
@@ -60,9 +66,16 @@ Frame shading_frame(const Surface& surface, std::size_t vertex);
 /// structure. Costs more than prepare(): asked for once, when a mesh is stored.
 Intake inspect(const Mesh& mesh, const Surface& surface);
 
-/// Normals (filed ones kept, else angle-weighted from the faces), triangulation (ear clipping for
-/// concave polygons), spacing, and the intake report. Never fails on a checked Mesh; a degenerate
-/// one gives unlit vertices and says so.
-Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress);
+/// How the normals of a cloud come about.
+struct CloudNormals {
+    bool estimate = false;         ///< even if the file brings some
+    std::optional<Point3> toward;  ///< they face this place; absent: see orient_normals
+};
+
+/// Normals (filed ones kept, else angle-weighted from the faces, else of a cloud estimated),
+/// triangulation (ear clipping for concave polygons), spacing, and the intake report. Never fails
+/// on a checked Mesh; a degenerate one gives unlit vertices and says so.
+Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress,
+                const CloudNormals& cloud_normals = {});
 
 }  // namespace relight

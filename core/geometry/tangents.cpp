@@ -48,7 +48,7 @@ Vec3 along_u(Vec3 e1, Vec3 e2, const std::array<Uv, 3>& uvs)
 
 }  // namespace
 
-std::vector<std::array<float, 3>> tangents_of(const Mesh& mesh, const Surface& surface)
+std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface)
 {
     if (surface.triangles.empty() || (mesh.uvs.empty() && mesh.corner_uvs.empty())) { return {}; }
     std::vector<Vec3> sums(mesh.positions.size());
@@ -65,14 +65,14 @@ std::vector<std::array<float, 3>> tangents_of(const Mesh& mesh, const Surface& s
     }
     // Mirrored halves that meet cancel; what their roundings leave over is no direction.
     constexpr double least_agreement = 1e-6;
-    std::vector<std::array<float, 3>> tangents(sums.size());
+    std::vector<std::array<float, 4>> tangents(sums.size());
     for (std::size_t v = 0; v < sums.size(); ++v) {
         const Dir3 n = surface.normals[v];
         const Vec3 in_plane = sums[v] - Vec3(n) * dot(sums[v], n);
         if (!n || !(length(in_plane) > least_agreement * areas[v])) { continue; }
         const Dir3 x = normalize(in_plane);
         tangents[v] = {static_cast<float>(x.x()), static_cast<float>(x.y()),
-                       static_cast<float>(x.z())};
+                       static_cast<float>(x.z()), 1.0F};
     }
     return tangents;
 }

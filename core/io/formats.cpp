@@ -17,7 +17,12 @@ using Named = std::pair<std::string_view, MeshFormat>;
 constexpr Named names[] = {{"ply", MeshFormat::Ply},
                            {"obj", MeshFormat::Obj},
                            {"off", MeshFormat::Off},
-                           {"stl", MeshFormat::Stl}};
+                           {"stl", MeshFormat::Stl},
+                           {"xyz", MeshFormat::Xyz},
+                           {"txt", MeshFormat::Xyz},
+                           {"pts", MeshFormat::Pts},
+                           {"pcd", MeshFormat::Pcd},
+                           {"las", MeshFormat::Las}};
 
 // IANA has model/stl, model/obj and text/prs.wavefront-obj; the rest is what clients send.
 constexpr Named media_types[] = {{"model/ply", MeshFormat::Ply},
@@ -112,6 +117,14 @@ Result<Mesh> read_mesh(MeshFormat format, std::span<const std::byte> file, const
             return read_obj(file, limits, progress);
         case MeshFormat::Off:
             return read_off(file, limits, progress);
+        case MeshFormat::Xyz:
+            return read_xyz(file, limits, progress);
+        case MeshFormat::Pts:
+            return read_pts(file, limits, progress);
+        case MeshFormat::Pcd:
+            return read_pcd(file, limits, progress);
+        case MeshFormat::Las:
+            return read_las(file, limits, progress);
         case MeshFormat::Stl:
             break;
     }

@@ -17,9 +17,10 @@ struct ReadLimits {
     std::uint64_t faces = 200'000'000;
 };
 
-enum class MeshFormat { Ply, Obj, Off, Stl };
+enum class MeshFormat { Ply, Obj, Off, Stl, Xyz, Pts, Pcd, Las };
 
-std::optional<MeshFormat> mesh_format_named(std::string_view name);  ///< "ply", "obj", "off", "stl"
+std::optional<MeshFormat> mesh_format_named(
+    std::string_view name);  ///< "ply", "obj", "off", "stl", "xyz" (or "txt"), "pts", "pcd", "las"
 std::optional<MeshFormat> mesh_format_of_media(
     std::string_view media);  ///< "model/stl", "model/obj" …
 std::optional<MeshFormat> mesh_format_of_bytes(
@@ -38,6 +39,22 @@ Result<Mesh> read_obj(std::span<const std::byte> file, const ReadLimits& limits,
 Result<Mesh> read_off(std::span<const std::byte> file, const ReadLimits& limits,
                       Progress& progress);
 Result<Mesh> read_stl(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+/// Rows of numbers, a point each: x y z [intensity] [r g b | nx ny nz], columns told apart by their
+/// count and range; comments and a line of names may stand before. Colours of bytes are sRGB.
+Result<Mesh> read_xyz(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+/// As read_xyz, after a line with the number of points (several such blocks may follow each other).
+Result<Mesh> read_pts(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+/// Point Cloud Library's PCD 0.5 - 0.7: ascii, binary, binary_compressed (LZF). Points of NaN stay
+/// in place (Mesh::absent); VIEWPOINT becomes Mesh::viewpoint if it is told apart from the default
+/// or lies outside the cloud.
+Result<Mesh> read_pcd(std::span<const std::byte> file, const ReadLimits& limits,
+                      Progress& progress);
+/// ASPRS LAS 1.0 - 1.4, point formats 0..10, scale and offset in double; R G B of 16 bits, or of 8
+/// filed in 16. A LAZ (compressed) file is NotAvailable.
+Result<Mesh> read_las(std::span<const std::byte> file, const ReadLimits& limits,
                       Progress& progress);
 Result<Mesh> read_mesh(MeshFormat format, std::span<const std::byte> file, const ReadLimits& limits,
                        Progress& progress);

@@ -42,6 +42,36 @@ std::string write_ply(const LitMesh& lit, PlyEncoding encoding);
 /// `faces`+`face_offsets` for polygons. The same input gives the same bytes.
 std::string write_npz(const LitMesh& lit);
 
+/// Wavefront OBJ: v x y z [r g b] (sRGB / 255, the common extension), vt, vn, faces as filed under
+/// their usemtl. A vertex has one normal and, but for corner_uvs, one vt. Colour alone of what a
+/// LitMesh holds; quantities have no place in it.
+std::string write_obj(const LitMesh& lit);
+
+/// Geomview OFF, ascii: [ST][C][N]OFF with faces as filed, colours as 0..255. Colour alone.
+std::string write_off(const LitMesh& lit);
+
+/// VTK's XML PolyData, raw appended binary: faces as Polys (vertices of a cloud as Verts), arrays
+/// Normals, TCoords, "color" (uchar) and each quantity by its name.
+std::string write_vtp(const LitMesh& lit);
+
+/// glTF 2.0 as GLB, from nothing but the mesh: one node; a primitive a material group (points for a
+/// cloud), unlit white materials, so that viewers show the colours as they are; COLOR_0 is linear
+/// float, quantities are _IRRADIANCE, _PER_LIGHT_KEY … . Positions relative to the node's
+/// translation where float would lose.
+std::string write_glb(const LitMesh& lit);
+
+/// The LAS file that a cloud came as, with its colours replaced by `color` (16 bits: code * 257);
+/// a point format without R G B becomes the one that has it. All else stays.
+/// Errors: those of read_las.
+Result<std::string> write_las(std::span<const std::byte> file, std::span<const Rgb8> color);
+
+/// Radiance .hdr (RGBE, run-length encoded), linear Rec.709, row 0 on top.
+std::string write_hdr(int width, int height, std::span<const Rgbf> pixels,
+                      std::span<const std::string> comments);
+
+/// Baseline JPEG of 8-bit RGB, quality 1..100.
+std::string write_jpeg(int width, int height, std::span<const Rgb8> pixels, int quality = 92);
+
 /// PNG of 8-bit RGB (or RGBA if alpha is given) pixels, row 0 on top, tagged sRGB.
 std::string write_png(int width, int height, std::span<const Rgb8> pixels,
                       std::span<const unsigned char> alpha = {});

@@ -95,7 +95,7 @@ std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, D
         at.frame = frame_along(n, at.frame.x);
     }
     seen.wo = at.frame.to_local(wo);
-    seen.material = &material_at(stage, scene, hit.primitive);
+    seen.material = material_at(stage, scene, hit);
     seen.color = color_at(stage, hit);
     return seen;
 }

@@ -11,7 +11,7 @@ namespace relight {
 struct Seen {
     Receiver at;
     Vec3 wo;  ///< back along the ray, in at.frame; wo.z > 0
-    const Material* material = nullptr;
+    LocalMaterial material;
     Rgb color;          ///< the file's, interpolated
     bool front = true;  ///< the side that the normals are on
 };

@@ -108,8 +108,8 @@ Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
                 to_float({std::sqrt(variance.r), std::sqrt(variance.g), std::sqrt(variance.b)});
         }
         if (options.radiance) {
-            const Material& material = scene.materials[materials.empty() ? 0 : materials[v]];
-            shaded.radiance[v] = to_float(outgoing(stage, transport, scene, material, v));
+            const LocalMaterial material = vertex_material(stage, scene, materials, v);
+            shaded.radiance[v] = to_float(outgoing(stage, transport, scene, *material, v));
         }
     };
     parallel_for(vertices, block, options.threads, progress,

@@ -217,7 +217,8 @@ void add_radiance(const Source& source, std::span<const std::uint32_t> materials
     std::vector<Path> paths;
     RayQueue queue(*stage.bvh);
     for (std::size_t v = begin; v < end; ++v) {
-        const Material& material = scene.materials[materials.empty() ? 0 : materials[v]];
+        const LocalMaterial local = vertex_material(stage, scene, materials, v);
+        const Material& material = *local;
         if (E_tells_radiance(scene, material)) { continue; }
         const auto seen = seen_vertex(stage, scene, v);
         if (!seen) { continue; }

@@ -75,13 +75,19 @@ std::uint32_t material_index(const Scene& scene, const Mesh& mesh, std::size_t f
     return scene.material_of_group[mesh.face_materials[face]];
 }
 
-const Material& material_at(const Stage& stage, const Scene& scene, std::uint32_t primitive)
+LocalMaterial material_at(const Stage& stage, const Scene& scene, const Hit& hit)
 {
     const Surface& surface = *stage.surface;
-    if (surface.triangles.empty()) { return scene.materials.front(); }
+    if (hit.is_point) { return LocalMaterial(scene.materials.front()); }
     const std::size_t face =
-        surface.triangle_face.empty() ? primitive : surface.triangle_face[primitive];
-    return scene.materials[material_index(scene, *stage.mesh, face)];
+        surface.triangle_face.empty() ? hit.primitive : surface.triangle_face[hit.primitive];
+    return LocalMaterial(scene.materials[material_index(scene, *stage.mesh, face)]);
+}
+
+LocalMaterial vertex_material(const Stage& /*stage*/, const Scene& scene,
+                              std::span<const std::uint32_t> materials, std::size_t vertex)
+{
+    return LocalMaterial(scene.materials[materials.empty() ? 0 : materials[vertex]]);
 }
 
 std::vector<std::uint32_t> vertex_materials(const Stage& stage, const Scene& scene)

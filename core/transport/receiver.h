@@ -1,7 +1,10 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/light/light.h"
@@ -40,8 +43,31 @@ double per_unit_m2(const Arrival& arrival, double length_unit_m);
 
 /// The material of a face, and its place in scene.materials.
 std::uint32_t material_index(const Scene& scene, const Mesh& mesh, std::size_t face);
-/// Of what a ray hit, and of the triangle or point `primitive`.
-const Material& material_at(const Stage& stage, const Scene& scene, std::uint32_t primitive);
+
+/// A material at one place: one of the scene's, or where the file's textures vary it, what they
+/// make of it there.
+class LocalMaterial {
+  public:
+    LocalMaterial() = default;
+    /// Outlives this.
+    explicit LocalMaterial(const Material& everywhere) : material_(&everywhere) {}
+    explicit LocalMaterial(std::shared_ptr<const Material> here)
+        : material_(here.get()), here_(std::move(here))
+    {
+    }
+    const Material& operator*() const { return *material_; }
+    const Material* operator->() const { return material_; }
+
+  private:
+    const Material* material_ = nullptr;
+    std::shared_ptr<const Material> here_;  ///< null: the scene's own
+};
+
+/// Of what a ray hit.
+LocalMaterial material_at(const Stage& stage, const Scene& scene, const Hit& hit);
+/// Of a vertex, with `materials` = vertex_materials().
+LocalMaterial vertex_material(const Stage& stage, const Scene& scene,
+                              std::span<const std::uint32_t> materials, std::size_t vertex);
 /// V indices into scene.materials: a vertex has the material of the first face that uses it.
 /// Empty: the first for all.
 std::vector<std::uint32_t> vertex_materials(const Stage& stage, const Scene& scene);
@@ -58,7 +84,8 @@ std::optional<SeenVertex> seen_vertex(const Stage& stage, const Scene& scene, st
 /// Lo = rho E / pi: the material is Lambertian, and the viewer sees the sides that E has.
 bool E_tells_radiance(const Scene& scene, const Material& material);
 
-/// Linear colour that the file gives a vertex or (interpolated) a hit; white without colours.
+/// Linear colour that the file gives a vertex or (interpolated) a hit: its vertex colour, its base
+/// colour's factor and texture, multiplied; white without. What a request calls "vertex".
 Rgb vertex_color(const Stage& stage, std::size_t vertex);
 Rgb color_at(const Stage& stage, const Hit& hit);
 

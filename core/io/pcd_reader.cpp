@@ -1,0 +1,11 @@
+#include "core/io/readers.h"
+
+namespace relight {
+
+Result<Mesh> read_pcd(std::span<const std::byte> /*file*/, const ReadLimits& /*limits*/,
+                      Progress& /*progress*/)
+{
+    return Error{Fault::NotAvailable, "not read yet", {}, {}, {}};
+}
+
+}  // namespace relight

@@ -1,0 +1,1 @@
+#include "server/import/gltf_file.h"

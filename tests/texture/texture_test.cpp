@@ -1,0 +1,3 @@
+#include "core/texture/texture.h"
+
+#include <gtest/gtest.h>
