@@ -9,17 +9,27 @@ std::uint64_t bytes_of(const std::vector<T>& values)
     return values.capacity() * sizeof(T);
 }
 
+std::uint64_t bytes_of(const Mesh& mesh)
+{
+    std::uint64_t textures = 0;
+    for (const Texture& texture : mesh.textures) { textures += bytes_of(texture.texels); }
+    return bytes_of(mesh.positions) + bytes_of(mesh.absent) + bytes_of(mesh.faces.indices) +
+           bytes_of(mesh.faces.offsets) + bytes_of(mesh.normals) + bytes_of(mesh.colors) +
+           bytes_of(mesh.uvs) + bytes_of(mesh.uvs_1) + bytes_of(mesh.corner_uvs) +
+           bytes_of(mesh.tangents) + bytes_of(mesh.face_materials) + textures;
+}
+
 }  // namespace
 
-std::uint64_t bytes_of(const Stage& stage)
+std::uint64_t bytes_of(const Model& model)
 {
-    const Mesh& mesh = *stage.mesh;
-    const Surface& surface = *stage.surface;
-    return bytes_of(mesh.positions) + bytes_of(mesh.faces.indices) + bytes_of(mesh.faces.offsets) +
-           bytes_of(mesh.normals) + bytes_of(mesh.colors) + bytes_of(mesh.uvs) +
-           bytes_of(mesh.corner_uvs) + bytes_of(mesh.face_materials) + bytes_of(surface.triangles) +
-           bytes_of(surface.triangle_face) + bytes_of(surface.normals) + bytes_of(surface.spacing) +
-           bytes_of(surface.tangents) + stage.bvh->bytes();
+    const Surface& surface = *model.stage.surface;
+    const Mesh* const lit = model.stage.mesh.get();
+    const bool refined = lit != &model.asset->mesh;
+    return bytes_of(*lit) + (refined ? bytes_of(model.asset->mesh) : 0) +
+           bytes_of(surface.triangles) + bytes_of(surface.triangle_face) +
+           bytes_of(surface.normals) + bytes_of(surface.smooth_normals) +
+           bytes_of(surface.spacing) + bytes_of(surface.tangents) + model.stage.bvh->bytes();
 }
 
 std::uint64_t bytes_of(const SharedMap& map)
@@ -100,7 +110,7 @@ std::uint64_t Cache<Value>::bytes() const
     return bytes_;
 }
 
-template class Cache<Stage>;
+template class Cache<Model>;
 template class Cache<SharedMap>;
 
 }  // namespace relight

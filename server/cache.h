@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/asset.h"
 #include "core/base/result.h"
 #include "core/light/environment.h"
 #include "core/trace/stage.h"
@@ -18,8 +19,15 @@ namespace relight {
 
 using SharedMap = std::shared_ptr<const EnvironmentMap>;
 
+/// A client's file made ready for light: what it brings, and the stage of its geometry (refined, if
+/// that was asked for).
+struct Model {
+    std::shared_ptr<const Asset> asset;
+    Stage stage;
+};
+
 /// Memory that a value holds.
-std::uint64_t bytes_of(const Stage& stage);
+std::uint64_t bytes_of(const Model& model);
 std::uint64_t bytes_of(const SharedMap& map);
 
 /// Values by what they depend on, kept as long as `bytes` allow, the least recently used leaving
@@ -56,7 +64,7 @@ class Cache {
     std::uint64_t bytes_ = 0;
 };
 
-using StageCache = Cache<Stage>;
+using ModelCache = Cache<Model>;
 using SkyCache = Cache<SharedMap>;
 
 }  // namespace relight

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <charconv>
 #include <numbers>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -55,16 +57,15 @@ std::optional<std::size_t> index_of(const std::string& key, std::size_t count)
     return index;
 }
 
-/// Index into Scene::materials of each of the mesh's groups; empty if the request has none of its
-/// own. A name goes before an index that reads the same.
-Result<std::vector<std::uint32_t>> materials_of_groups(const RelightRequest& request,
-                                                       const Mesh& mesh)
+/// Which of the request's "materials" each of the mesh's groups has, from 1; 0: none. A name goes
+/// before an index that reads the same.
+Result<std::vector<std::size_t>> own_material_of_groups(const RelightRequest& request,
+                                                        const Mesh& mesh)
 {
-    if (request.materials.empty()) { return std::vector<std::uint32_t>(); }
     const std::vector<std::string>& groups = mesh.materials;
     std::unordered_map<std::string_view, std::size_t> named;
     for (std::size_t i = 0; i < groups.size(); ++i) { named.try_emplace(groups[i], i); }
-    std::vector<std::uint32_t> material_of(groups.size(), 0);
+    std::vector<std::size_t> own_of(groups.size(), 0);
     for (std::size_t m = 0; m < request.materials.size(); ++m) {
         const std::string& key = request.materials[m].group;
         const auto found = named.find(key);
@@ -75,16 +76,45 @@ Result<std::vector<std::uint32_t>> materials_of_groups(const RelightRequest& req
                               "found \"" + printable(key) + "\"; " + listed(groups),
                               "/materials" + pointer_step(key));
         }
-        std::uint32_t& index = material_of[*group];
-        if (index != 0) {
+        std::size_t& own = own_of[*group];
+        if (own != 0) {
             return make_error(Fault::ConflictingFields,
-                              "\"" + printable(request.materials[index - 1].group) +
+                              "\"" + printable(request.materials[own - 1].group) +
                                   "\" is the same group of faces; one material each",
                               "/materials" + pointer_step(key));
         }
-        index = static_cast<std::uint32_t>(m + 1);
+        own = m + 1;
     }
-    return material_of;
+    return own_of;
+}
+
+/// Gives the scene the materials of the request, and where it has none for a group, the file's own;
+/// the first is for all that has neither.
+std::optional<Error> set_materials(Scene& scene, const RelightRequest& request, const Asset& asset)
+{
+    const Mesh& mesh = asset.mesh;
+    const auto own_of = own_material_of_groups(request, mesh);
+    if (!own_of) { return own_of.error(); }
+    const bool filed = request.default_material && !asset.materials.empty();
+    if (filed && mesh.faces.count() == 0) { scene.materials = {asset.materials.front()}; }
+    for (const GroupMaterial& own : request.materials) { scene.materials.push_back(own.material); }
+    const std::size_t first_filed = scene.materials.size();
+    if (filed) {
+        scene.materials.insert(scene.materials.end(), asset.materials.begin(),
+                               asset.materials.end());
+        scene.textured.assign(scene.materials.size(), false);
+        for (std::size_t m = first_filed; m < scene.materials.size(); ++m) {
+            scene.textured[m] = !mesh.maps.empty();
+        }
+        scene.textured.front() = mesh.faces.count() == 0 && !mesh.maps.empty();
+    }
+    if (!filed && request.materials.empty()) { return {}; }
+    for (std::size_t group = 0; group < own_of->size(); ++group) {
+        const std::size_t own = (*own_of)[group];  // the first one stands before the request's
+        const std::size_t index = own != 0 ? own : filed ? first_filed + group : 0;
+        scene.material_of_group.push_back(static_cast<std::uint32_t>(index));
+    }
+    return {};
 }
 
 /// The field by which a material takes the vertex colours; empty if it does not.
@@ -103,14 +133,18 @@ std::string_view vertex_color_field(const Material& material)
 
 std::optional<Error> missing_vertex_colors(const RelightRequest& request, const Mesh& mesh)
 {
-    if (!mesh.colors.empty()) { return {}; }
+    const bool textured =
+        std::any_of(mesh.maps.begin(), mesh.maps.end(),
+                    [](const MaterialMaps& maps) { return maps.base_color.has_value(); });
+    if (!mesh.colors.empty() || textured) { return {}; }
     const auto check = [](const Material& material,
                           const std::string& pointer) -> std::optional<Error> {
         const std::string field(vertex_color_field(material));
         if (field.empty()) { return {}; }
-        return make_error(Fault::ConflictingFields,
-                          field + " is \"vertex\", but the mesh has no colours; give [r,g,b]",
-                          pointer + "/" + field);
+        return make_error(
+            Fault::ConflictingFields,
+            field + " is \"vertex\", but the mesh has neither colours nor a texture; give [r,g,b]",
+            pointer + "/" + field);
     };
     if (auto error = check(request.scene.materials.front(), "/material")) { return error; }
     for (const GroupMaterial& own : request.materials) {
@@ -167,49 +201,89 @@ Light default_sun(const Camera& camera)
     return {"light_0", DirectionalLight{normalize(-toward_sun)}, Rgb::grey(sun_irradiance)};
 }
 
+/// Puts what the file brings in the place of the light at `place`, which stands for it: the lights
+/// it lists, then its shining faces. Of either there may be none.
+void insert_file_lights(Scene& scene, std::size_t place, const Asset& asset,
+                        std::shared_ptr<const EmitterTable> faces)
+{
+    const Light wanted = scene.lights[place];
+    std::set<std::string> taken;
+    for (const Light& light : scene.lights) { taken.insert(light.name); }
+    std::vector<Light> brought;
+    for (Light light : asset.lights) {
+        while (!taken.insert(light.name).second) { light.name += '_'; }
+        light.power = light.power * wanted.power;
+        light.enabled = wanted.enabled;
+        light.cast_shadows = wanted.cast_shadows;
+        brought.push_back(std::move(light));
+    }
+    if (faces != nullptr) {
+        brought.push_back(wanted);
+        brought.back().shape = MeshLight{std::move(faces)};
+    }
+    const auto at = scene.lights.begin() + static_cast<std::ptrdiff_t>(place);
+    scene.lights.insert(scene.lights.erase(at), brought.begin(), brought.end());
+}
+
+/// The lights of the scene once the file is known: its own where they are asked for.
+std::optional<Error> set_lights(Scene& scene, const RelightRequest& request, const Asset& asset,
+                                const Mesh& mesh, const Surface& surface)
+{
+    for (const ClearSky& sky : request.skies) {
+        scene.lights[sky.light].shape = make_sky(sky.toward_sun, sky.turbidity);
+    }
+    const auto stands_for_file = [](const Light& light) {
+        return std::holds_alternative<MeshLight>(light.shape);
+    };
+    if (request.default_lights) {
+        scene.lights = {{"light_0", MeshLight{}, Rgb::grey(1.0)}};
+        scene.units = Units::Photometric;  // as glTF's lights and emissive faces are
+    }
+    const auto place = std::find_if(scene.lights.begin(), scene.lights.end(), stands_for_file);
+    if (place == scene.lights.end()) { return {}; }
+    const auto index = static_cast<std::size_t>(place - scene.lights.begin());
+    auto faces = emitters_of(scene, mesh, surface);
+    if (faces == nullptr && asset.lights.empty()) {
+        if (request.default_lights) {
+            scene.units = Units::Radiometric;
+            scene.lights = {default_sun(scene.camera)};
+            return {};
+        }
+        return make_error(
+            Fault::MissingField,
+            "the file brings no lights, and no face of it shines: give the material of "
+            "some \"model\": \"metallic_roughness\" with \"emissive\": [r,g,b] and "
+            "\"emissive_strength\"",
+            "/lights" + pointer_step(index));
+    }
+    if (!asset.lights.empty() && scene.units == Units::Radiometric) {
+        return make_error(Fault::MixedUnits,
+                          "the file's own lights are in candela and lux, beside lights in watts: a "
+                          "request is wholly in watts or wholly in lumens; "
+                          "\"luminous_efficacy_lm_w\" converts the watts",
+                          "/lights" + pointer_step(index));
+    }
+    insert_file_lights(scene, index, asset, std::move(faces));
+    return {};
+}
+
 }  // namespace
 
-Result<Scene> complete(const RelightRequest& request, const Mesh& mesh, const Surface& surface)
+Result<Scene> complete(const RelightRequest& request, const Asset& asset, const Mesh& mesh,
+                       const Surface& surface)
 {
     Scene scene = request.scene;
     auto camera = camera_of(request, surface.bounds);
     if (!camera) { return std::move(camera).error(); }
     scene.camera = *camera;
-
-    auto material_of_group = materials_of_groups(request, mesh);
-    if (!material_of_group) { return std::move(material_of_group).error(); }
-    scene.material_of_group = std::move(*material_of_group);
-    if (auto error = missing_vertex_colors(request, mesh)) { return std::move(*error); }
-    for (const GroupMaterial& own : request.materials) { scene.materials.push_back(own.material); }
+    if (auto error = set_materials(scene, request, asset)) { return std::move(*error); }
+    if (auto error = missing_vertex_colors(request, asset.mesh)) { return std::move(*error); }
     for (Material& material : scene.materials) {
         if (auto* facets = std::get_if<CookTorrance>(&material)) {
             *facets = make_cook_torrance(std::move(*facets));
         }
     }
-
-    for (const ClearSky& sky : request.skies) {
-        scene.lights[sky.light].shape = make_sky(sky.toward_sun, sky.turbidity);
-    }
-    if (request.default_lights) {
-        if (auto table = emitters_of(scene, mesh, surface)) {
-            scene.units = Units::Photometric;  // as glTF's emissive faces are
-            scene.lights = {{"light_0", MeshLight{std::move(table)}}};
-        } else {
-            scene.lights = {default_sun(scene.camera)};
-        }
-    }
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        auto* own = std::get_if<MeshLight>(&scene.lights[i].shape);
-        if (own == nullptr || own->table != nullptr) { continue; }
-        own->table = emitters_of(scene, mesh, surface);
-        if (own->table == nullptr) {
-            return make_error(Fault::MissingField,
-                              "no face of this mesh shines: give the material of some "
-                              "\"model\": \"metallic_roughness\" with \"emissive\": [r,g,b] and "
-                              "\"emissive_strength\"",
-                              "/lights" + pointer_step(i));
-        }
-    }
+    if (auto error = set_lights(scene, request, asset, mesh, surface)) { return std::move(*error); }
     return scene;
 }
 

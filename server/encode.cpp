@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/io/writers.h"
+#include "server/gltf_answer.h"
 #include "server/json_text.h"
 
 namespace relight {
@@ -170,8 +171,31 @@ std::string json_answer(const Lit& lit, const Display& display, const Quantities
     return json.raw("warnings", text_array(lit.warnings)).done();
 }
 
-std::string file_answer(const Lit& lit, const Display& display, const Quantities& wanted,
-                        std::span<const Rgb8> color, Format format)
+/// `out` in its format.
+Result<std::string> written(const LitMesh& out, std::span<const std::byte> source, Format format)
+{
+    switch (format) {
+        case Format::PlyAscii:
+            return write_ply(out, PlyEncoding::Ascii);
+        case Format::Npz:
+            return write_npz(out);
+        case Format::Obj:
+            return write_obj(out);
+        case Format::Off:
+            return write_off(out);
+        case Format::Vtp:
+            return write_vtp(out);
+        case Format::Las:
+            return write_las(source, out.color);
+        case Format::Glb:
+            return source.empty() ? Result<std::string>(write_glb(out)) : add_to_gltf(source, out);
+        default:
+            return write_ply(out, PlyEncoding::BinaryLittleEndian);
+    }
+}
+
+Result<std::string> file_answer(const Lit& lit, const Display& display, const Quantities& wanted,
+                                std::span<const Rgb8> color, Format format)
 {
     const UnitNames units = unit_names(lit.scene.units);
     const auto names = property_names(lit.scene.lights);
@@ -220,9 +244,15 @@ std::string file_answer(const Lit& lit, const Display& display, const Quantities
     for (const std::string& warning : lit.warnings) {
         out.comments.push_back("warning: " + warning);
     }
-    if (format == Format::Npz) { return write_npz(out); }
-    return write_ply(
-        out, format == Format::PlyAscii ? PlyEncoding::Ascii : PlyEncoding::BinaryLittleEndian);
+    return written(out, lit.source, format);
+}
+
+/// Pixels of display colours as PNG, or as JPEG, which has no alpha.
+std::string picture_file(int width, int height, std::span<const Rgb8> pixels, const Output& output,
+                         Format format, std::span<const unsigned char> alpha = {})
+{
+    return format == Format::Jpeg ? write_jpeg(width, height, pixels, output.quality)
+                                  : write_png(width, height, pixels, alpha);
 }
 
 /// Divides what the background's share left of colour and light out of a pixel: PNG's alpha is
@@ -259,10 +289,16 @@ std::string view_json(const Scene& scene)
     return json.done();
 }
 
-std::string encode_layers(const Rendered& rendered, const Scene& scene, const Output& output,
-                          const std::vector<std::string>& warnings)
+std::string encode_radiance(const Rendered& rendered, const Scene& scene, const Output& output,
+                            Format format, const std::vector<std::string>& warnings)
 {
     const Image& image = rendered.image;
+    std::vector<std::string> comments{"radiance in " +
+                                      std::string(unit_names(scene.units).radiance)};
+    for (const std::string& warning : warnings) { comments.push_back("warning: " + warning); }
+    if (format == Format::Hdr) {
+        return write_hdr(image.width, image.height, image.pixels, comments);
+    }
     std::vector<ExrLayer> layers{{"", 3, floats(image.pixels)}, {"A", 1, image.coverage}};
     if (output.quantities.standard_error) {
         layers.push_back({"standard_error", 3, floats(rendered.standard_error)});
@@ -272,25 +308,27 @@ std::string encode_layers(const Rendered& rendered, const Scene& scene, const Ou
     for (std::size_t l = 0; l < rendered.per_light.size(); ++l) {
         layers.push_back({"per_light_" + names[l], 3, floats(rendered.per_light[l])});
     }
-    std::vector<std::string> comments{"radiance in " +
-                                      std::string(unit_names(scene.units).radiance)};
-    for (const std::string& warning : warnings) { comments.push_back("warning: " + warning); }
     return write_exr(image.width, image.height, layers, comments);
 }
 
-std::string encode_mesh(const Lit& lit, Display display, const Quantities& wanted, Format format,
-                        unsigned threads, Progress& progress)
+bool keeps_source(Format format, const Mesh& mesh)
+{
+    return format == Format::Las || (format == Format::Glb && !mesh.pieces.empty());
+}
+
+Result<std::string> encode_mesh(const Lit& lit, Display display, const Quantities& wanted,
+                                Format format, unsigned threads, Progress& progress)
 {
     std::vector<Rgb8> color;
     if (wanted.color) {
         if (display.auto_exposure) { display.exposure_ev = auto_exposure_ev(lit.shaded.radiance); }
         color = to_srgb8(lit.shaded.radiance, display, threads, progress);
     }
-    return format == Format::Json ? json_answer(lit, display, wanted, color)
-                                  : file_answer(lit, display, wanted, color, format);
+    if (format == Format::Json) { return json_answer(lit, display, wanted, color); }
+    return file_answer(lit, display, wanted, color, format);
 }
 
-std::string encode_image(const Image& image, Display display, const Output& output,
+std::string encode_image(const Image& image, Display display, const Output& output, Format format,
                          unsigned threads, Progress& progress)
 {
     if (display.auto_exposure) {
@@ -301,8 +339,8 @@ std::string encode_image(const Image& image, Display display, const Output& outp
         display.exposure_ev = auto_exposure_ev(seen);
     }
     if (!output.transparent) {
-        return write_png(image.width, image.height,
-                         to_srgb8(image.pixels, display, threads, progress));
+        return picture_file(image.width, image.height,
+                            to_srgb8(image.pixels, display, threads, progress), output, format);
     }
     std::vector<Rgbf> own(image.pixels.size());
     std::vector<unsigned char> alpha(image.pixels.size());
@@ -315,7 +353,8 @@ std::string encode_image(const Image& image, Display display, const Output& outp
 
 Result<std::string> encode_preview(const Stage& stage, const Scene& scene,
                                    std::span<const Rgbf> radiance, Display display,
-                                   const Output& output, unsigned threads, Progress& progress)
+                                   const Output& output, Format format, unsigned threads,
+                                   Progress& progress)
 {
     if (display.auto_exposure) { display.exposure_ev = auto_exposure_ev(radiance); }
     const auto colors = to_srgb8(radiance, display, threads, progress);
@@ -326,7 +365,9 @@ Result<std::string> encode_preview(const Stage& stage, const Scene& scene,
     options.background = to_srgb8(output.background.value_or(Rgb{}), display);
     auto picture = preview(*stage.mesh, *stage.surface, colors, scene.camera, options, progress);
     if (!picture) { return std::move(picture).error(); }
-    if (!output.transparent) { return write_png(picture->width, picture->height, picture->pixels); }
+    if (!output.transparent) {
+        return picture_file(picture->width, picture->height, picture->pixels, output, format);
+    }
     for (std::size_t i = 0; i < picture->pixels.size(); ++i) {
         const int alpha = picture->alpha[i];
         if (alpha == 0) { continue; }

@@ -146,7 +146,8 @@ Result<Encoded> explain(RelightRequest request, const std::vector<Part>& parts,
 {
     Timings timings;
     const auto tell = [&](const SetUp& made) -> Result<Encoded> {
-        const auto& [stage, scene] = made;
+        const Stage& stage = made.model.stage;
+        const Scene& scene = made.scene;
         const std::size_t count = stage.mesh->positions.size();
         const auto materials = vertex_materials(stage, scene);
         Encoded encoded;

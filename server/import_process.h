@@ -20,7 +20,7 @@ struct ImportLimits {
     std::uint64_t vertices = 100'000'000;  ///< of a mesh, instances unfolded
     std::uint64_t faces = 200'000'000;
     std::uint64_t pixels = 1ULL << 25U;      ///< of a picture or texture: 8192 x 4096
-    std::uint64_t memory = 1ULL << 30U;      ///< of the process's address space [bytes]
+    std::uint64_t memory = 1ULL << 31U;      ///< of the process's address space [bytes]
     std::chrono::milliseconds time{20'000};  ///< from start to end, and of CPU time
 };
 

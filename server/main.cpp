@@ -57,11 +57,11 @@ int serve(const Options& options)
     Store meshes(folder);
     Store environments(folder / "environments");
     Store profiles(folder / "profiles");
-    StageCache stages(options.memory);
+    ModelCache models(options.memory);
     SkyCache skies(options.memory / 4);
     ComputePool pool(options.workers, options.queue);
     ByteBudget arriving(options.max_inflight_bytes);
-    ServerState state{options, meshes, environments, profiles, stages, skies, pool, arriving, log};
+    ServerState state{options, meshes, environments, profiles, models, skies, pool, arriving, log};
     GuardedServer server(options.guard, [](int status, Fault fault, const std::string& detail) {
         return problem_json({fault, detail + std::string(limits_behind(fault)), {}, {}, {}},
                             status);

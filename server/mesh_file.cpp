@@ -1,8 +1,8 @@
 #include "server/mesh_file.h"
 
 #include <algorithm>
-#include <array>
 
+#include "server/import_process.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 #include "server/negotiate.h"
@@ -10,40 +10,64 @@
 namespace relight {
 namespace {
 
-constexpr std::string_view readable_formats = "ply, obj, off, stl";
-
-/// Formats of the contract that this build does not read.
-constexpr std::array<std::string_view, 11> later_formats = {
-    "gltf", "glb", "pcd", "las", "laz", "xyz", "pts", "txt", "exr", "hdr", "ies"};
+constexpr std::string_view readable_formats =
+    "ply, obj, off, stl, glb, gltf, xyz, txt, pts, pcd, las";
 
 /// What a file of a kind we do not read starts with.
 struct Magic {
     std::string_view bytes, kind;
 };
-constexpr Magic magics[] = {
-    {"glTF", "a GLB"},         {"LASF", "a LAS cloud"},    {"\x76\x2f\x31\x01", "an OpenEXR image"},
-    {"\x1f\x8b", "gzip data"}, {"\x89PNG", "a PNG image"}, {"\xff\xd8\xff", "a JPEG image"},
-    {"PK\x03\x04", "a ZIP"},   {"#?", "a Radiance image"}, {"IESNA", "a photometric profile"},
-    {"# .PCD", "a PCD cloud"}};
+constexpr Magic magics[] = {{"\x76\x2f\x31\x01", "an OpenEXR image; it goes to /v1/environments"},
+                            {"#?", "a Radiance image; it goes to /v1/environments"},
+                            {"IESNA", "a photometric profile; it goes to /v1/profiles"},
+                            {"\x1f\x8b", "gzip data; unpack it first"},
+                            {"PK\x03\x04", "a ZIP; unpack it first"},
+                            {"\x89PNG", "a PNG image"},
+                            {"\xff\xd8\xff", "a JPEG image"}};
 
-/// What else the file is, as far as its first bytes tell; empty if they do not.
-std::string_view foreign_kind(std::string_view file)
+bool is_gltf_media(std::string_view content_type)
 {
-    for (const Magic& magic : magics) {
-        if (file.starts_with(magic.bytes)) { return magic.kind; }
-    }
-    const auto first = file.substr(0, 4096).find_first_not_of(" \t\r\n");
-    if (first == std::string_view::npos) { return {}; }
-    if (file[first] == '{') { return "JSON (a glTF?)"; }
-    if (file.substr(first).starts_with("VERSION")) { return "a PCD cloud"; }
-    return {};
+    const std::string type = essence(content_type);
+    return type == "model/gltf-binary" || type == "model/gltf+json";
 }
 
-Error not_available(std::string_view kind)
+/// GLB's magic, or a JSON object: no other mesh starts with a brace.
+bool starts_as_gltf(std::string_view file)
 {
-    return make_error(Fault::NotAvailable, "this looks like " + std::string(kind) +
-                                               ", which this build does not read; it reads: " +
-                                               std::string(readable_formats));
+    if (file.starts_with("\xef\xbb\xbf")) { file.remove_prefix(3); }
+    const auto first = file.substr(0, 4096).find_first_not_of(" \t\r\n");
+    return file.starts_with("glTF") || (first != std::string_view::npos && file[first] == '{');
+}
+
+/// Our own reader for the file; nothing: it is a glTF.
+Result<std::optional<MeshFormat>> choose_reader(std::optional<std::string_view> named,
+                                                std::string_view content_type,
+                                                std::span<const std::byte> file)
+{
+    using Chosen = std::optional<MeshFormat>;
+    if (named) {
+        if (*named == "glb" || *named == "gltf") { return Chosen(); }
+        if (const auto format = mesh_format_named(*named)) { return Chosen(format); }
+        if (*named == "laz") { return Chosen(MeshFormat::Las); }  // which says what to do about it
+        return make_error(Fault::UnknownFormat,
+                          "format \"" + printable(*named) +
+                              "\" is not read; these are: " + std::string(readable_formats));
+    }
+    if (is_gltf_media(content_type)) { return Chosen(); }
+    if (const auto format = mesh_format_of_media(content_type)) { return Chosen(format); }
+    const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+    for (const Magic& magic : magics) {
+        if (!text.starts_with(magic.bytes)) { continue; }
+        return make_error(Fault::NotAvailable,
+                          "this looks like " + std::string(magic.kind) +
+                              "; meshes and clouds are: " + std::string(readable_formats));
+    }
+    if (starts_as_gltf(text)) { return Chosen(); }
+    if (const auto format = mesh_format_of_bytes(file)) { return Chosen(format); }
+    return make_error(Fault::UnknownFormat,
+                      "the first bytes are of no format that is read (" +
+                          std::string(readable_formats) +
+                          "); name it by ?format= or Content-Type if they mislead");
 }
 
 std::string intake_json(const Intake& intake)
@@ -57,8 +81,10 @@ std::string intake_json(const Intake& intake)
         .count("unreferenced_vertices", intake.unreferenced_vertices)
         .count("unlit_vertices", intake.unlit_vertices)
         .count("normals_computed", intake.normals_computed)
+        .count("normals_estimated", intake.normals_estimated)
         .count("normals_opposing", intake.normals_opposing)
         .count("polygons_triangulated", intake.polygons_triangulated)
+        .count("absent_points", intake.absent_points)
         .raw("wound_inward", intake.wound_inward ? "true" : "false")
         .raw("recentring_shift", json_of(intake.recentring_shift))
         .raw("notes", text_array(intake.notes))
@@ -67,31 +93,24 @@ std::string intake_json(const Intake& intake)
 
 }  // namespace
 
-Result<MeshFormat> choose_mesh_format(std::optional<std::string_view> named,
-                                      std::string_view content_type,
-                                      std::span<const std::byte> file)
+Result<Asset> read_mesh_file(std::span<const std::byte> file, std::optional<std::string_view> named,
+                             std::string_view content_type, const ReadLimits& limits,
+                             std::uint64_t pixels, Progress& progress)
 {
-    const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
-    if (named) {
-        if (const auto format = mesh_format_named(*named)) { return *format; }
-        const bool later =
-            std::find(later_formats.begin(), later_formats.end(), *named) != later_formats.end();
-        return make_error(
-            later ? Fault::NotAvailable : Fault::UnknownFormat,
-            "format \"" + printable(*named) +
-                "\" is not read by this build; it reads: " + std::string(readable_formats));
-    }
     if (file.empty()) { return make_error(Fault::EmptyFile, "the file has no bytes"); }
-    if (const auto format = mesh_format_of_media(content_type)) { return *format; }
-    const std::string_view kind = foreign_kind(text);
-    const std::string type = essence(content_type);
-    if (type.starts_with("model/gltf")) { return not_available(kind.empty() ? "a glTF" : kind); }
-    if (!kind.empty()) { return not_available(kind); }
-    if (const auto format = mesh_format_of_bytes(file)) { return *format; }
-    return make_error(Fault::UnknownFormat,
-                      "the first bytes are of no format this build reads (" +
-                          std::string(readable_formats) +
-                          "); name it by ?format= or Content-Type if they mislead");
+    const auto read = [&](std::optional<MeshFormat> format) -> Result<Asset> {
+        if (!format) {
+            ImportLimits import;
+            import.vertices = limits.vertices;
+            import.faces = limits.faces;
+            import.pixels = pixels;
+            return import_gltf(file, import, progress);
+        }
+        return read_mesh(*format, file, limits, progress).transform([](Mesh&& mesh) {
+            return Asset{std::move(mesh), {}, {}};
+        });
+    };
+    return choose_reader(named, content_type, file).and_then(read);
 }
 
 std::string_view media_type_of(std::string_view format)
@@ -100,14 +119,21 @@ std::string_view media_type_of(std::string_view format)
     if (format == "obj") { return "model/obj"; }
     if (format == "stl") { return "model/stl"; }
     if (format == "off") { return "model/off"; }
+    if (format == "glb") { return "model/gltf-binary"; }
+    if (format == "gltf") { return "model/gltf+json"; }
+    if (format == "las") { return "application/vnd.las"; }
+    if (format == "xyz" || format == "pts" || format == "pcd") { return "text/plain"; }
     if (format == "hdr") { return "image/vnd.radiance"; }
     if (format == "exr") { return "image/x-exr"; }
     return "application/octet-stream";
 }
 
-std::string describe(const std::string& id, std::uint64_t bytes, const Mesh& mesh,
+std::string describe(const std::string& id, std::uint64_t bytes, const Asset& asset,
                      const Surface& surface, const Intake& intake)
 {
+    const Mesh& mesh = asset.mesh;
+    std::vector<std::string> lights;
+    for (const Light& light : asset.lights) { lights.push_back(light.name); }
     const Bounds& b = surface.bounds;
     return ObjectWriter()
         .text("id", id)
@@ -125,10 +151,11 @@ std::string describe(const std::string& id, std::uint64_t bytes, const Mesh& mes
                         .flag("colors", !mesh.colors.empty())
                         .flag("uvs", !mesh.uvs.empty() || !mesh.corner_uvs.empty())
                         .flag("materials", !mesh.materials.empty())
-                        .flag("lights", false)
+                        .flag("textures", !mesh.textures.empty())
+                        .flag("lights", !asset.lights.empty())
                         .done())
         .raw("materials", text_array(mesh.materials))
-        .raw("lights", "[]")
+        .raw("lights", text_array(lights))
         .raw("intake", intake_json(intake))
         .done();
 }

@@ -6,23 +6,25 @@
 #include <string>
 #include <string_view>
 
+#include "core/asset.h"
+#include "core/geometry/surface.h"
 #include "core/io/readers.h"
-#include "core/trace/stage.h"
 
 namespace relight {
 
-/// The format of a client's file: as `named` ("ply"), else by its media type, else by its bytes.
-/// Errors: EmptyFile, NotAvailable (a format of the contract that this build cannot read),
-/// UnknownFormat.
-Result<MeshFormat> choose_mesh_format(std::optional<std::string_view> named,
-                                      std::string_view content_type,
-                                      std::span<const std::byte> file);
+/// A client's mesh or cloud: glTF in a process of its own, all else by our own readers. The format
+/// as `named` ("ply", "glb"), else by its media type, else by its bytes. `pixels` is for each of
+/// its textures. Errors: EmptyFile, NotAvailable (LAZ), UnknownFormat, the readers' own
+/// (core/io/readers.h, server/import/gltf.h).
+Result<Asset> read_mesh_file(std::span<const std::byte> file, std::optional<std::string_view> named,
+                             std::string_view content_type, const ReadLimits& limits,
+                             std::uint64_t pixels, Progress& progress);
 
 /// "model/obj" …: what the content of a stored file is sent as.
 std::string_view media_type_of(std::string_view format);
 
 /// The description of a mesh in answers; `intake` is the whole report.
-std::string describe(const std::string& id, std::uint64_t bytes, const Mesh& mesh,
+std::string describe(const std::string& id, std::uint64_t bytes, const Asset& asset,
                      const Surface& surface, const Intake& intake);
 
 }  // namespace relight

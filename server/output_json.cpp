@@ -18,6 +18,15 @@ constexpr std::pair<std::string_view, bool Quantities::*> quantities[] = {
     {"per_light", &Quantities::per_light},
     {"sh", &Quantities::sh}};
 
+constexpr std::pair<std::string_view, Format> formats[] = {
+    {"ply", Format::Ply},   {"ply_ascii", Format::PlyAscii},
+    {"obj", Format::Obj},   {"off", Format::Off},
+    {"glb", Format::Glb},   {"vtp", Format::Vtp},
+    {"las", Format::Las},   {"json", Format::Json},
+    {"npz", Format::Npz},   {"png", Format::Png},
+    {"jpeg", Format::Jpeg}, {"exr", Format::Exr},
+    {"hdr", Format::Hdr}};
+
 Quantities parse_quantities(Fields& output)
 {
     const JsonArray* names = output.array("quantities");
@@ -83,14 +92,12 @@ Display parse_display(Fields fields)
 Output parse_output(Fields fields, const ParseLimits& limits)
 {
     Output output;
-    const auto format = fields.choice("format", {"ply", "ply_ascii", "json", "npz", "png", "exr"},
-                                      {"obj", "off", "glb", "vtp", "jpeg", "hdr"});
-    if (format == "ply") { output.format = Format::Ply; }
-    if (format == "ply_ascii") { output.format = Format::PlyAscii; }
-    if (format == "json") { output.format = Format::Json; }
-    if (format == "npz") { output.format = Format::Npz; }
-    if (format == "png") { output.format = Format::Png; }
-    if (format == "exr") { output.format = Format::Exr; }
+    const auto format =
+        fields.choice("format", {"ply", "ply_ascii", "obj", "off", "glb", "vtp", "las", "json",
+                                 "npz", "png", "jpeg", "exr", "hdr"});
+    for (const auto& [name, value] : formats) {
+        if (format == name) { output.format = value; }
+    }
     output.names_quantities = fields.has("quantities");
     output.quantities = parse_quantities(fields);
     for (const std::string_view name : {"width", "height", "samples", "renderer", "background"}) {
@@ -103,6 +110,13 @@ Output parse_output(Fields fields, const ParseLimits& limits)
     output.samples = static_cast<int>(fields.integer("samples", 1, 1024).value_or(output.samples));
     if (fields.choice("renderer", {"raytrace", "vtk"}) == "vtk") {
         output.renderer = Renderer::Vtk;
+    }
+    if (fields.has("quality")) {
+        output.quality = static_cast<int>(fields.integer("quality", 1, 100).value_or(92));
+        if (output.format != Format::Jpeg) {
+            fields.fail(Fault::ConflictingFields, "quality",
+                        "only a jpeg has it: add \"format\": \"jpeg\"");
+        }
     }
     const Json* background = fields.find("background");
     if (background != nullptr && std::holds_alternative<std::string>(background->value)) {

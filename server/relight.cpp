@@ -29,10 +29,12 @@ std::size_t clamp_to_finite(std::vector<Rgbf>& values)
 }
 
 /// Stage and scene -> columns -> E and L -> bytes, per vertex.
-Result<Encoded> light_vertices(const RelightRequest& request, Format format, const Stage& stage,
-                               const Scene& scene, const Workshop& workshop, Timings& timings,
-                               Progress& progress)
+Result<Encoded> light_vertices(const RelightRequest& request, Format format, const SetUp& made,
+                               std::span<const std::byte> source, const Workshop& workshop,
+                               Timings& timings, Progress& progress)
 {
+    const Stage& stage = made.model.stage;
+    const Scene& scene = made.scene;
     const Quantities& wanted = request.output.quantities;
     const bool radiance = wanted.color || wanted.radiance || is_image(format);
     const TransportWanted columns{radiance, wanted.ambient_occlusion, wanted.sh, workshop.threads};
@@ -51,16 +53,19 @@ Result<Encoded> light_vertices(const RelightRequest& request, Format format, con
                     transport.rays,
                     {},
                     warnings_of(stage, scene, clamped, Receivers::Vertices)};
+    warn_of_thin_shadows(encoded.warnings, stage, shaded.irradiance);
     return timed(timings.encode, [&]() -> Result<Encoded> {
         if (is_image(format)) {
-            auto png = encode_preview(stage, scene, shaded.radiance, request.display,
-                                      request.output, workshop.threads, progress);
-            if (!png) { return std::move(png).error(); }
-            encoded.bytes = std::move(*png);
+            auto picture = encode_preview(stage, scene, shaded.radiance, request.display,
+                                          request.output, format, workshop.threads, progress);
+            if (!picture) { return std::move(picture).error(); }
+            encoded.bytes = std::move(*picture);
         } else {
-            const Lit lit{stage, scene, transport, shaded, encoded.warnings};
-            encoded.bytes =
+            const Lit lit{stage, scene, transport, shaded, encoded.warnings, source};
+            auto file =
                 encode_mesh(lit, request.display, wanted, format, workshop.threads, progress);
+            if (!file) { return std::move(file).error(); }
+            encoded.bytes = std::move(*file);
         }
         if (progress.stopped()) { return cancelled(); }
         return std::move(encoded);
@@ -94,10 +99,10 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
                     {},
                     warnings_of(stage, scene, clamped, Receivers::Pixels)};
     timed(timings.encode, [&] {
-        encoded.bytes =
-            format == Format::Exr
-                ? encode_layers(rendered, scene, output, encoded.warnings)
-                : encode_image(rendered.image, request.display, output, workshop.threads, progress);
+        encoded.bytes = is_display_image(format)
+                            ? encode_image(rendered.image, request.display, output, format,
+                                           workshop.threads, progress)
+                            : encode_radiance(rendered, scene, output, format, encoded.warnings);
     });
     if (progress.stopped()) { return cancelled(); }
     return encoded;
@@ -111,13 +116,20 @@ Result<Encoded> relight(RelightRequest request, Format format, const std::vector
     Timings timings;
     if (auto error = check_format(request.output, format)) { return std::move(*error); }
     const auto light = [&](const SetUp& made) -> Result<Encoded> {
-        const auto& [stage, scene] = made;
-        if (auto error = check(request, format, stage, scene, workshop)) {
-            return std::move(*error);
-        }
+        const Stage& stage = made.model.stage;
+        const Scene& scene = made.scene;
+        if (auto error = check(request, format, made, workshop)) { return std::move(*error); }
         const bool traced = is_image(format) && request.output.renderer == Renderer::Raytrace;
-        return traced ? light_pixels(request, format, stage, scene, workshop, timings, progress)
-                      : light_vertices(request, format, stage, scene, workshop, timings, progress);
+        if (traced) {
+            return light_pixels(request, format, stage, scene, workshop, timings, progress);
+        }
+        std::vector<std::byte> source;  // where the answer is the file itself, added to
+        if (keeps_source(format, *stage.mesh)) {
+            auto bytes = source_of(request, parts, workshop);
+            if (!bytes) { return std::move(bytes).error(); }
+            source = std::move(*bytes);
+        }
+        return light_vertices(request, format, made, source, workshop, timings, progress);
     };
     auto encoded = timed(timings.total, [&] {
         return set_up(request, parts, workshop, timings, progress).and_then(light);

@@ -20,11 +20,11 @@ struct Workshop {
     const Store& meshes;
     const Store& environments;
     const Store& profiles;
-    StageCache& stages;
+    ModelCache& models;
     SkyCache& skies;
     unsigned threads = 0;  ///< of one job; 0: one a core
     ReadLimits read;
-    std::uint64_t pixels = 33'554'432;   ///< of an environment
+    std::uint64_t pixels = 33'554'432;   ///< of an environment or texture
     std::uint64_t rays = 4'000'000'000;  ///< one job may ask for
     std::uint64_t memory = 4ULL << 30U;  ///< bytes one job may hold beside its stage
 };
@@ -59,15 +59,15 @@ Result<Encoded> explain(RelightRequest request, const std::vector<Part>& parts,
 
 /// A request's mesh on its stage, and the scene complete with all that its files bring.
 struct SetUp {
-    Stage stage;
+    Model model;
     Scene scene;
 };
 Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
                      const Workshop& workshop, Timings& timings, Progress& progress);
 
-/// A file's bytes as a Stage, and its parts on the way (upload needs no Bvh).
-Result<Mesh> parse_mesh(std::span<const std::byte> file, std::optional<std::string_view> named,
-                        std::string_view content_type, const ReadLimits& limits,
-                        Progress& progress);
+/// The bytes that a request's mesh came as; empty if it stood in the request itself.
+/// Error NotFound if they were deleted meanwhile.
+Result<std::vector<std::byte>> source_of(const RelightRequest& request,
+                                         const std::vector<Part>& parts, const Workshop& workshop);
 
 }  // namespace relight

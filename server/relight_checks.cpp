@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/shade/sharp.h"
 #include "core/transport/receiver.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
@@ -37,6 +38,12 @@ double rays_of_a_path(const Scene& scene)
     return 1.0 + (2.0 + lights) * (1.0 + scene.transport.bounces);
 }
 
+/// OBJ and OFF have a place for normals.
+bool is_mesh_with_normals(Format format)
+{
+    return format == Format::Obj || format == Format::Off;
+}
+
 /// The light has a surface, but one of no area: it can't shine.
 bool is_flat_nothing(const LightShape& shape)
 {
@@ -48,9 +55,20 @@ bool is_flat_nothing(const LightShape& shape)
 
 }  // namespace
 
-std::optional<Error> check(const RelightRequest& request, Format format, const Stage& stage,
-                           const Scene& scene, const Workshop& workshop)
+std::optional<Error> check(const RelightRequest& request, Format format, const SetUp& made,
+                           const Workshop& workshop)
 {
+    const Stage& stage = made.model.stage;
+    const Scene& scene = made.scene;
+    const std::string& came_as = stage.mesh->format;
+    if (format == Format::Las && (came_as != "las" || request.max_edge)) {
+        return make_error(
+            Fault::ConflictingFields,
+            "las is the cloud's own file with its colours replaced, and this one came "
+            "as " +
+                came_as + "; take ply, or another format",
+            "/output/format");
+    }
     const auto vertices = static_cast<double>(stage.mesh->positions.size());
     const Output& output = request.output;
     const Quantities& wanted = output.quantities;
@@ -94,13 +112,25 @@ std::optional<Error> check_format(const Output& output, Format format)
             "/output/" + *output.image_field);
     }
     const bool arrays = q.irradiance || q.radiance || q.visibility || q.ambient_occlusion || q.sh;
-    if (format == Format::Png && (arrays || q.normal || q.per_light || q.standard_error)) {
+    const bool only_color = format == Format::Obj || format == Format::Off || format == Format::Las;
+    if ((only_color || is_display_image(format)) && (arrays || q.per_light || q.standard_error ||
+                                                     (q.normal && !is_mesh_with_normals(format)))) {
         return make_error(Fault::ConflictingFields,
-                          "a PNG shows color; other quantities come as ply, ply_ascii, json or "
-                          "npz, or as layers of an exr",
+                          "this format has a place for color alone; other quantities come as ply, "
+                          "ply_ascii, glb, vtp, json or npz, or as layers of an exr",
                           "/output/quantities");
     }
-    if (format == Format::Exr) {
+    if (format == Format::Hdr && (q.standard_error || q.per_light || q.normal)) {
+        return make_error(Fault::ConflictingFields,
+                          "an hdr holds radiance alone; other quantities come as layers of an exr",
+                          "/output/quantities");
+    }
+    if (format == Format::Jpeg && output.transparent) {
+        return make_error(Fault::ConflictingFields,
+                          "a jpeg cannot be transparent; take png, or another background",
+                          "/output/background");
+    }
+    if (format == Format::Exr || format == Format::Hdr) {
         if (q.standard_error && output.samples < 4) {
             return make_error(Fault::OutOfRange,
                               "found " + std::to_string(output.samples) +
@@ -109,16 +139,17 @@ std::optional<Error> check_format(const Output& output, Format format)
         }
         if (output.renderer == Renderer::Vtk) {
             return make_error(Fault::ConflictingFields,
-                              "vtk draws display colours; an exr holds radiance: take "
+                              "vtk draws display colours; an exr or hdr holds radiance: take "
                               "\"raytrace\", or \"format\": \"png\"",
                               "/output/renderer");
         }
         if (q.irradiance || q.visibility || q.ambient_occlusion || q.sh ||
             (q.color && output.names_quantities)) {
-            return make_error(Fault::ConflictingFields,
-                              "an exr holds radiance, and as layers standard_error, per_light and "
-                              "normal; other quantities come as ply, ply_ascii, json or npz",
-                              "/output/quantities");
+            return make_error(
+                Fault::ConflictingFields,
+                "an exr or hdr holds radiance, an exr as layers standard_error, per_light and "
+                "normal; other quantities come as ply, ply_ascii, json or npz",
+                "/output/quantities");
         }
     }
     return {};
@@ -133,9 +164,9 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
         warnings.emplace_back("no light is on: everything is dark");
     }
     const Intake& intake = stage.surface->intake;
-    if (intake.unlit_vertices > 0) {
+    if (intake.unlit_vertices > intake.absent_points) {
         warnings.push_back(
-            std::to_string(intake.unlit_vertices) +
+            std::to_string(intake.unlit_vertices - intake.absent_points) +
             " vertices have no normal and are unlit: no proper face uses them and the "
             "file brings none");
     }
@@ -148,6 +179,14 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
             "the faces wind inward, so their lit fronts look into the volume they enclose; for "
             "light "
             "on the outside send \"transport\": {\"two_sided\": true}");
+    }
+    if (stage.mesh->faces.count() == 0 && intake.normals_estimated > 0) {
+        warnings.push_back("normals of " + std::to_string(intake.normals_estimated) +
+                           " points were estimated from their neighbours");
+    }
+    if (intake.absent_points > 0) {
+        warnings.push_back(std::to_string(intake.absent_points) +
+                           " places of the file hold no point (NaN) and are unlit");
     }
     for (const Light& light : scene.lights) {
         if (light.enabled && is_flat_nothing(light.shape)) {
@@ -172,6 +211,24 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
                            " values are beyond single precision and were cut");
     }
     return warnings;
+}
+
+void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage,
+                          std::span<const Rgbf> irradiance)
+{
+    const std::vector<std::uint32_t> sharp =
+        sharp_vertices(*stage.mesh, *stage.surface, irradiance);
+    if (sharp.empty()) { return; }
+    constexpr std::size_t named = 8;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(named, sharp.size()); ++i) {
+        list += (i == 0 ? "" : ", ") + std::to_string(sharp[i]);
+    }
+    warnings.push_back(
+        std::to_string(sharp.size()) + " vertices are lit very differently from a neighbour (" +
+        list + (sharp.size() > named ? ", ..." : "") +
+        "): a shadow may be thinner than a triangle; \"refine\": {\"max_edge\": ...} "
+        "resolves it");
 }
 
 }  // namespace relight

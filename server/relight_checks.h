@@ -9,8 +9,8 @@
 namespace relight {
 
 /// Refuses what this mesh or the limits cannot serve, before the work starts.
-std::optional<Error> check(const RelightRequest& request, Format format, const Stage& stage,
-                           const Scene& scene, const Workshop& workshop);
+std::optional<Error> check(const RelightRequest& request, Format format, const SetUp& made,
+                           const Workshop& workshop);
 
 /// Refuses fields that the answer's format has no place for.
 std::optional<Error> check_format(const Output& output, Format format);
@@ -21,5 +21,9 @@ enum class Receivers { Vertices, Pixels };
 /// What a reader of the answer should know; `clamped` values were beyond single precision.
 std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped,
                                      Receivers receivers);
+
+/// Adds that some vertices' light differs sharply from their neighbours' (core/shade/sharp.h).
+void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage,
+                          std::span<const Rgbf> irradiance);
 
 }  // namespace relight

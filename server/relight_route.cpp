@@ -99,7 +99,7 @@ Result<Encoded> run(const Posted& posted, Purpose purpose, const std::string& ac
     const Workshop workshop{state.meshes,
                             state.environments,
                             state.profiles,
-                            state.stages,
+                            state.models,
                             state.skies,
                             options.threads,
                             {options.parse.vertices, options.parse.faces},
@@ -114,8 +114,11 @@ Result<Encoded> run(const Posted& posted, Purpose purpose, const std::string& ac
         if (!format) {
             return make_error(
                 Fault::NotAcceptable,
-                "answers come as model/ply, application/json, application/x-npz, "
-                "image/png or image/x-exr; \"output\": {\"format\": …} goes before Accept");
+                "answers come as model/ply, model/gltf-binary, model/obj, model/off, "
+                "application/x-vtp, "
+                "application/vnd.las, application/json, application/x-npz, image/png, image/jpeg, "
+                "image/x-exr or image/vnd.radiance; \"output\": {\"format\": …} goes before "
+                "Accept");
         }
         return relight(std::move(request), *format, posted.parts, workshop, progress);
     };

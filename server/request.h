@@ -21,10 +21,15 @@ struct PartMesh {
 };
 using MeshSource = std::variant<StoredMesh, PartMesh, Mesh>;
 
-enum class Format { Ply, PlyAscii, Json, Npz, Png, Exr };
+enum class Format { Ply, PlyAscii, Obj, Off, Glb, Vtp, Las, Json, Npz, Png, Jpeg, Exr, Hdr };
 constexpr bool is_image(Format format)
 {
-    return format == Format::Png || format == Format::Exr;
+    return format >= Format::Png;
+}
+/// A picture of display colours; the others hold radiance.
+constexpr bool is_display_image(Format format)
+{
+    return format == Format::Png || format == Format::Jpeg;
 }
 
 enum class Renderer { Raytrace, Vtk };
@@ -41,6 +46,7 @@ struct Output {
     bool names_quantities = false;  ///< an EXR, which has no color, may then leave it out
     int width = 800, height = 600;
     int samples = 16;  ///< a pixel
+    int quality = 92;  ///< of a JPEG, 1..100
     /// Linear radiance where nothing is hit; absent: the skies among the lights, else black.
     std::optional<Rgb> background;
     bool transparent = false;  ///< "background": "transparent"
@@ -69,6 +75,14 @@ struct ClearSky {
     double turbidity = 3.0;
 };
 
+/// "points": how a cloud becomes a surface.
+struct Points {
+    double radius_scale = 1.5;     ///< of its discs, in units of the local spacing
+    std::optional<bool> estimate;  ///< normals: true "estimate", false "file"; absent: the file's,
+                                   ///< else estimated
+    std::optional<Point3> viewpoint;  ///< estimated normals face it; absent: as the file says
+};
+
 /// One entry of "materials", to be matched with the mesh's groups.
 struct GroupMaterial {
     std::string group;  ///< the key: a name of the mesh's materials, or an index into them
@@ -83,9 +97,11 @@ struct RelightRequest {
     std::vector<ClearSky> skies;
     std::vector<GroupMaterial> materials;
     CameraFields camera;
+    bool default_material = true;         ///< the request names none: the file's own
     bool default_lights = true;           ///< the request names none
     std::vector<std::uint64_t> vertices;  ///< POST /v1/explain: which to explain
-    double point_radius_scale = 1.5;
+    Points points;
+    std::optional<double> max_edge;  ///< "refine": longest edge allowed, scene units
     Display display;
     Output output;
 };

@@ -18,7 +18,7 @@ struct ServerState {
     Store& meshes;
     Store& environments;
     Store& profiles;
-    StageCache& stages;
+    ModelCache& models;
     SkyCache& skies;
     ComputePool& pool;
     ByteBudget& arriving;

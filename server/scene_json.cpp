@@ -125,13 +125,29 @@ TransportOptions parse_transport(Fields fields)
     return options;
 }
 
-double parse_points(Fields fields)
+Points parse_points(Fields fields)
 {
-    const double scale =
-        fields.number("radius_scale", {0.0, 100.0, "local spacings", true}).value_or(1.5);
-    fields.choice("normals", {"file"}, {"estimate"});
+    Points points;
+    points.radius_scale = fields.number("radius_scale", {0.0, 100.0, "local spacings", true})
+                              .value_or(points.radius_scale);
+    if (const auto normals = fields.choice("normals", {"file", "estimate"})) {
+        points.estimate = *normals == "estimate";
+    }
+    points.viewpoint = fields.point("viewpoint");
+    if (points.viewpoint && points.estimate == false) {
+        fields.fail(Fault::ConflictingFields, "viewpoint",
+                    "it turns estimated normals, and \"normals\" is \"file\"; leave one out");
+    }
     fields.finish();
-    return scale;
+    return points;
+}
+
+double parse_refine(Fields fields)
+{
+    fields.need({"max_edge"});
+    const auto max_edge = fields.number("max_edge", {0.0, 1e15, "length units", true});
+    fields.finish();
+    return max_edge.value_or(1.0);
 }
 
 /// "vertices" of a request to explain: indices, checked against the mesh later.
@@ -188,6 +204,7 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
     }
     if (auto material = root.object("material", "a material")) {
         scene.materials = {parse_material(std::move(*material))};
+        request.default_material = false;
     }
     if (const Json* materials = root.find("materials")) {
         request.materials = parse_materials(*materials, root.pointer_to("materials"), errors);
@@ -200,7 +217,10 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
         scene.transport = parse_transport(std::move(*transport));
     }
     if (auto points = root.object("points", "\"points\"")) {
-        request.point_radius_scale = parse_points(std::move(*points));
+        request.points = parse_points(std::move(*points));
+    }
+    if (auto refine = root.object("refine", "\"refine\"")) {
+        request.max_edge = parse_refine(std::move(*refine));
     }
     if (auto display = root.object("display", "\"display\"")) {
         request.display = parse_display(std::move(*display));

@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "core/asset.h"
 #include "core/base/result.h"
 #include "server/request.h"
 
@@ -14,11 +15,13 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
                                      bool default_part = false, bool explain = false);
 
 /// What depends on the mesh: the camera that frames it, which group has which material, the
-/// triangles that shine, the lights of a request that names none (the mesh's own, else a sun). And
-/// what takes its time: tables of skies and materials.
-/// Errors: ZeroDirection if the camera stands on its target, UnknownValue and ConflictingFields at
-/// a material that the mesh cannot have, MissingField at a "from_mesh" of a mesh that does not
-/// shine. `surface` is that of `mesh`.
-Result<Scene> complete(const RelightRequest& request, const Mesh& mesh, const Surface& surface);
+/// triangles that shine, the lights that the file brings (for "from_mesh", and for a request that
+/// names none; without any, a sun), its own materials where the request has none. And what takes
+/// its time: tables of skies and materials. Errors: ZeroDirection if the camera stands on its
+/// target, UnknownValue and ConflictingFields at a material that the mesh cannot have, MissingField
+/// at a "from_mesh" of a file without lights, MixedUnits where its lights (cd, lx) stand beside
+/// watts. `mesh` is the asset's, or what refining made of it; `surface` is that of `mesh`.
+Result<Scene> complete(const RelightRequest& request, const Asset& asset, const Mesh& mesh,
+                       const Surface& surface);
 
 }  // namespace relight

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/geometry/refine.h"
 #include "core/io/photometry.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
@@ -13,84 +14,114 @@
 namespace relight {
 namespace {
 
-/// Mesh -> surface and acceleration structure.
-Result<Stage> build_stage(Mesh mesh, double point_radius_scale, unsigned threads, Timings& timings,
-                          Progress& progress)
+Error no_such_mesh()
 {
-    if (mesh.faces.count() == 0 && mesh.normals.empty()) {
+    return make_error(Fault::NotFound,
+                      "no mesh is stored under this id; POST /v1/meshes stores one", "/mesh/id");
+}
+
+const Part* part_named(const std::string& name, const std::vector<Part>& parts)
+{
+    const auto part =
+        std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == name; });
+    return part == parts.end() ? nullptr : &*part;
+}
+
+Error no_such_part(const std::string& name, const std::string& pointer)
+{
+    return make_error(Fault::MissingField,
+                      "no part of the request is called \"" + printable(name) +
+                          "\"; a part is a file of a multipart/form-data body",
+                      pointer);
+}
+
+/// Asset -> (refined) mesh -> surface and acceleration structure.
+Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Workshop& workshop,
+                          Timings& timings, Progress& progress)
+{
+    Model model;
+    model.asset = std::make_shared<const Asset>(std::move(asset));
+    const Mesh& filed = model.asset->mesh;
+    const Points& points = request.points;
+    if (filed.faces.count() == 0 && filed.normals.empty() && points.estimate == false) {
         return make_error(Fault::NormalsRequired,
-                          "a point cloud is lit by the normals it brings, and this one has none; "
-                          "estimating them is not in this build",
-                          "/mesh");
+                          "this cloud brings no normals, and \"normals\": \"file\" asks for them; "
+                          "\"estimate\" finds some from each point's neighbours",
+                          "/points/normals");
     }
-    return timed(timings.bvh, [&]() -> Result<Stage> {
-        Stage stage;
-        stage.mesh = std::make_shared<const Mesh>(std::move(mesh));
-        stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, threads, progress));
+    Stage& stage = model.stage;
+    stage.mesh = std::shared_ptr<const Mesh>(model.asset, &filed);
+    return timed(timings.bvh, [&]() -> Result<Model> {
+        if (request.max_edge) {
+            auto refined = refine(filed, *request.max_edge, workshop.read.vertices,
+                                  workshop.read.faces, progress);
+            if (!refined) { return std::move(refined).error().at("/refine/max_edge"); }
+            stage.mesh = std::make_shared<const Mesh>(std::move(*refined));
+        }
+        const CloudNormals normals{points.estimate.value_or(false),
+                                   points.viewpoint ? points.viewpoint : filed.viewpoint};
+        stage.surface = std::make_shared<const Surface>(
+            prepare(*stage.mesh, workshop.threads, progress, normals));
         if (progress.stopped()) { return cancelled(); }
-        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, point_radius_scale);
-        return stage;
+        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, points.radius_scale);
+        return model;
     });
 }
 
-/// The stage of a request's mesh, from the cache if it has come before.
-struct StageFinder {
+/// The model of a request's mesh, from the cache if it has come before.
+struct ModelFinder {
     const RelightRequest& request;
     const std::vector<Part>& parts;
     const Workshop& workshop;
     Timings& timings;
     Progress& progress;
 
-    Result<Stage> build(std::span<const std::byte> file, std::optional<std::string_view> format,
+    Result<Model> build(std::span<const std::byte> file, std::optional<std::string_view> format,
                         std::string_view content_type) const
     {
-        auto mesh = timed(timings.parse, [&] {
-            return parse_mesh(file, format, content_type, workshop.read, progress);
+        auto asset = timed(timings.parse, [&] {
+            return read_mesh_file(file, format, content_type, workshop.read, workshop.pixels,
+                                  progress);
         });
-        if (!mesh) { return std::move(mesh).error(); }
-        return build_stage(std::move(*mesh), request.point_radius_scale, workshop.threads, timings,
-                           progress);
+        if (!asset) { return std::move(asset).error(); }
+        return build_model(std::move(*asset), request, workshop, timings, progress);
     }
 
-    /// What a stage depends on: the file, how it is read, the size of its points.
+    /// What a model depends on: the file, how it is read, how its points become a surface, how fine
+    /// it is to be.
     std::string key(const std::string& id, std::string_view read_as) const
     {
-        return id + ' ' + std::string(read_as) + ' ' + decimal(request.point_radius_scale);
+        const Points& points = request.points;
+        std::string key = id + ' ' + std::string(read_as) + ' ' + decimal(points.radius_scale);
+        if (points.estimate == true) { key += " estimate"; }
+        if (points.viewpoint) { key += ' ' + json_of(*points.viewpoint - Point3{}); }
+        if (request.max_edge) { key += ' ' + decimal(*request.max_edge); }
+        return key;
     }
 
-    Result<Stage> operator()(const StoredMesh& stored) const
+    Result<Model> operator()(const StoredMesh& stored) const
     {
         const auto object = workshop.meshes.find(stored.id);
-        if (!object) {
-            return make_error(Fault::NotFound,
-                              "no mesh is stored under this id; POST /v1/meshes stores one",
-                              "/mesh/id");
-        }
-        return workshop.stages.get(key(stored.id, object->format), [&]() -> Result<Stage> {
+        if (!object) { return no_such_mesh(); }
+        return workshop.models.get(key(stored.id, object->format), [&]() -> Result<Model> {
             const File file = workshop.meshes.open(stored.id);
-            if (!file) { return make_error(Fault::NotFound, "this mesh was deleted", "/mesh/id"); }
+            if (!file) { return no_such_mesh(); }
             return build(file.read_all(), object->format, {});
         });
     }
 
-    Result<Stage> operator()(const PartMesh& mesh) const
+    Result<Model> operator()(const PartMesh& mesh) const
     {
-        const auto part = std::find_if(parts.begin(), parts.end(),
-                                       [&](const Part& p) { return p.name == mesh.part; });
-        if (part == parts.end()) {
-            return make_error(Fault::MissingField,
-                              "no part of the request is called \"" + printable(mesh.part) +
-                                  "\"; a part is a file of a multipart/form-data body",
-                              "/mesh/part");
-        }
-        return workshop.stages.get(key(sha256(part->data), part->content_type), [&] {
+        const Part* part = part_named(mesh.part, parts);
+        if (part == nullptr) { return no_such_part(mesh.part, "/mesh/part"); }
+        return workshop.models.get(key(sha256(part->data), part->content_type), [&] {
             return build(std::as_bytes(std::span(part->data)), {}, part->content_type);
         });
     }
 
-    Result<Stage> operator()(const Mesh& mesh) const
+    Result<Model> operator()(const Mesh& mesh) const
     {
-        return build_stage(mesh, request.point_radius_scale, workshop.threads, timings, progress);
+        return build_model({mesh, {}, {}}, request, workshop, timings, progress);
     }
 };
 
@@ -115,14 +146,8 @@ Result<Attachment> find_attachment(const LightFile& file, const Store& store,
                           }};
     }
     const std::string& name = std::get<PartMesh>(file.source).part;
-    const auto part =
-        std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == name; });
-    if (part == parts.end()) {
-        return make_error(Fault::MissingField,
-                          "no part of the request is called \"" + printable(name) +
-                              "\"; a part is a file of a multipart/form-data body",
-                          file.pointer + "/part");
-    }
+    const Part* part = part_named(name, parts);
+    if (part == nullptr) { return no_such_part(name, file.pointer + "/part"); }
     return Attachment{sha256(part->data), {}, part->content_type, [part] {
                           const auto bytes = std::as_bytes(std::span(part->data));
                           return std::vector<std::byte>(bytes.begin(), bytes.end());
@@ -162,12 +187,19 @@ std::optional<Error> load(const LightFile& file, Light& light, const std::vector
 
 }  // namespace
 
-Result<Mesh> parse_mesh(std::span<const std::byte> file, std::optional<std::string_view> named,
-                        std::string_view content_type, const ReadLimits& limits, Progress& progress)
+Result<std::vector<std::byte>> source_of(const RelightRequest& request,
+                                         const std::vector<Part>& parts, const Workshop& workshop)
 {
-    return choose_mesh_format(named, content_type, file).and_then([&](MeshFormat format) {
-        return read_mesh(format, file, limits, progress);
-    });
+    if (const auto* stored = std::get_if<StoredMesh>(&request.mesh)) {
+        const File file = workshop.meshes.open(stored->id);
+        if (!file) { return no_such_mesh(); }
+        return file.read_all();
+    }
+    const auto* mesh = std::get_if<PartMesh>(&request.mesh);
+    const Part* part = mesh == nullptr ? nullptr : part_named(mesh->part, parts);
+    if (part == nullptr) { return std::vector<std::byte>(); }
+    const auto bytes = std::as_bytes(std::span(part->data));
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
 }
 
 Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
@@ -179,12 +211,13 @@ Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
         });
         if (error) { return std::move(*error); }
     }
-    return std::visit(StageFinder{request, parts, workshop, timings, progress}, request.mesh)
-        .and_then([&](const Stage& stage) {
+    return std::visit(ModelFinder{request, parts, workshop, timings, progress}, request.mesh)
+        .and_then([&](const Model& model) {
             return timed(timings.parse, [&] {
-                return complete(request, *stage.mesh, *stage.surface).transform([&](Scene&& scene) {
-                    return SetUp{stage, std::move(scene)};
-                });
+                return complete(request, *model.asset, *model.stage.mesh, *model.stage.surface)
+                    .transform([&](Scene&& scene) {
+                        return SetUp{model, std::move(scene)};
+                    });
             });
         });
 }

@@ -58,12 +58,14 @@ Result<Examined> examine_mesh(const Store::Incoming& incoming, const std::string
                               const ServerState& state, Progress& progress)
 {
     const ReadLimits limits{state.options.parse.vertices, state.options.parse.faces};
-    const auto mesh = parse_mesh(incoming.read_all(), named, content_type, limits, progress);
-    if (!mesh) { return mesh.error(); }
-    const Surface surface = prepare(*mesh, state.options.threads, progress);
+    const auto asset = read_mesh_file(incoming.read_all(), named, content_type, limits,
+                                      state.options.parse.pixels, progress);
+    if (!asset) { return asset.error(); }
+    const Mesh& mesh = asset->mesh;
+    const Surface surface = prepare(mesh, state.options.threads, progress, {false, mesh.viewpoint});
     if (progress.stopped()) { return stopped(); }
-    return Examined{mesh->format,
-                    describe(id, incoming.size(), *mesh, surface, inspect(*mesh, surface))};
+    return Examined{mesh.format,
+                    describe(id, incoming.size(), *asset, surface, inspect(mesh, surface))};
 }
 
 void upload(const Kind& kind, const httplib::Request& request, httplib::Response& response,
@@ -228,7 +230,7 @@ void add_stored_routes(GuardedServer& server, ServerState& state)
         add_kind(server, state, std::make_shared<const Kind>(std::move(kind)));
     };
     keep({"/v1/meshes", "mesh", "meshes", state.meshes, meshes,
-          [&state](const std::string& id) { state.stages.forget(id); }});
+          [&state](const std::string& id) { state.models.forget(id); }});
     keep({"/v1/environments", "environment", "environments", state.environments, environments,
           [&state](const std::string& id) { state.skies.forget(id); }});
     keep({"/v1/profiles", "profile", "profiles", state.profiles, profiles,

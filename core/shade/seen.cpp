@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "core/geometry/normal_map.h"
+#include "core/geometry/tangents.h"
+#include "core/transport/textured.h"
+
 namespace relight {
 namespace {
 
@@ -35,34 +39,48 @@ Receiver on_point(const Stage& stage, Point3 p, std::uint32_t point)
             stage.bvh->clearance(static_cast<double>(surface.spacing[point]))};
 }
 
+/// The interpolated normal as the normal map of the hit's group bends it there, if it has one.
+Dir3 bent(const Stage& stage, const Hit& hit, Dir3 smooth, Vec3 tangent, double bitangent_sign)
+{
+    if (stage.surface->smooth_normals.empty()) { return smooth; }
+    const FiledPlace place = filed_place(stage, hit);
+    if (place.maps == nullptr || !place.maps->normal) { return smooth; }
+    const TextureMap& map = *place.maps->normal;
+    return bent_normal(smooth, tangent, bitangent_sign, stage.mesh->textures[map.texture],
+                       *place.maps, place.uvs[map.uv_set]);
+}
+
 Receiver on_triangle(const Stage& stage, Terminator terminator, const Hit& hit)
 {
     const Surface& surface = *stage.surface;
+    const auto& normals = surface.smooth_normals.empty() ? surface.normals : surface.smooth_normals;
     const Triangle& t = surface.triangles[hit.primitive];
     const std::array<double, 3> b{1.0 - hit.u - hit.v, hit.u, hit.v};
     std::array<Point3, 3> corner;
     std::array<Dir3, 3> normal;
     Vec3 n, tangent;
+    double bitangent_sign = 0.0;
     double spacing = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i) {
         corner[i] = stage.mesh->positions[t[i]];
-        normal[i] = surface.normals[t[i]];
+        normal[i] = normals[t[i]];
         n += Vec3(normal[i]) * b[i];
         if (!surface.tangents.empty()) {
             const auto& x = surface.tangents[t[i]];
-            tangent += Vec3{static_cast<double>(x[0]), static_cast<double>(x[1]),
-                            static_cast<double>(x[2])} *
-                       b[i];
+            tangent += direction_of(x) * b[i];
+            bitangent_sign += static_cast<double>(x[3]) * b[i];
         }
         spacing = std::min(spacing, static_cast<double>(surface.spacing[t[i]]));
     }
     Receiver at;
     at.p = corner[0] + (corner[1] - corner[0]) * b[1] + (corner[2] - corner[0]) * b[2];
     at.ng = normalize(cross(corner[1] - corner[0], corner[2] - corner[0]));
-    const Dir3 shading = normalize(n);
-    at.frame = frame_along(shading ? shading : at.ng, tangent);
+    const Dir3 interpolated = normalize(n);
+    const Dir3 smooth = interpolated ? interpolated : at.ng;
     // Filed normals say which side is the front.
-    if (dot(at.ng, at.frame.n) < 0.0) { at.ng = -at.ng; }
+    if (dot(at.ng, smooth) < 0.0) { at.ng = -at.ng; }
+    at.frame =
+        frame_along(bent(stage, hit, smooth, tangent, bitangent_sign < 0.0 ? -1.0 : 1.0), tangent);
     at.lifted =
         terminator == Terminator::Smooth ? onto_tangent_planes(at.p, corner, normal, b) : at.p;
     at.clear = stage.bvh->clearance(spacing);

@@ -24,6 +24,13 @@ struct Refusal {
 /// Refuses the file: `where` is a JSON pointer into it ("/accessors/3/count").
 [[noreturn]] void refuse(Fault fault, std::string_view where, std::string_view what);
 
+/// A client's text, fit for a message: quoted, printable ASCII, shortened.
+std::string shown(std::string_view text);
+
+/// True of the extensions that decode_gltf() names: all others are passed over, or refused where
+/// the file requires them.
+bool is_supported(std::string_view extension);
+
 /// A member of the file's JSON that knows where it stands, so that whatever is wrong with it can be
 /// named. All the readers refuse a value of another type or out of range.
 class Node {
@@ -67,6 +74,8 @@ class File {
     explicit File(std::span<const std::byte> file);
 
     Node root() const { return {json_, ""}; }
+    /// Element `index` of the root's array `list`, for the member at `asked_at` that names it.
+    Node element(std::string_view list, std::uint64_t index, std::string_view asked_at) const;
     bool is_glb() const { return is_glb_; }
 
     /// The bytes of bufferViews[index], unpacked where EXT_meshopt_compression says so; and the
@@ -75,17 +84,24 @@ class File {
         std::span<const std::byte> bytes;
         std::size_t stride = 0;
     };
+    /// Valid as long as this File and the bytes it was made of.
     View view(std::uint64_t index, std::string_view asked_at);
 
     /// The bytes of a "uri" (data: alone is allowed) or of a "bufferView": an image's.
     std::vector<std::byte> bytes_of_image(const Node& image);
 
   private:
+    /// `length` bytes from `offset` on of the buffer that `place` (a view, or its compressed form)
+    /// names.
+    std::span<const std::byte> slice(const Node& place);
+    std::span<const std::byte> buffer(std::uint64_t index, std::string_view asked_at);
+
     Json json_;
     bool is_glb_ = false;
-    std::span<const std::byte> binary_;                            ///< the GLB's BIN chunk
+    std::optional<std::span<const std::byte>> binary_;             ///< the GLB's BIN chunk
     std::vector<std::optional<std::vector<std::byte>>> buffers_;   ///< decoded data URIs, on demand
     std::vector<std::optional<std::vector<std::byte>>> unpacked_;  ///< meshopt views, on demand
+    std::uint64_t unpacked_bytes_ = 0;
 };
 
 }  // namespace relight::gltf

@@ -1,21 +1,27 @@
-// relight-import exr [--memory BYTES] [--cpu-seconds N] [--pixels N] < file | …
-// Decodes a client's file, shut in: see sandbox.h, and protocol.h for what comes out. Standard
-// output must be no plain file: this process may not let one grow.
+// relight-import exr|gltf [--bytes N] [--memory BYTES] [--cpu-seconds N] [--pixels N]
+//                [--vertices N] [--faces N] < file | …
+// Decodes a client's file, shut in: see sandbox.h, and protocol.h for what comes out. --bytes says
+// how long the file is, if that is known. Standard output must be no plain file: this process may
+// not let one grow.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "server/import/archive.h"
 #include "server/import/exr.h"
+#include "server/import/gltf.h"
 #include "server/import/protocol.h"
 #include "server/import/sandbox.h"
 
@@ -25,35 +31,42 @@ namespace {
 constexpr int usage_error = 64, machine_error = 70;  // as sysexits.h has them
 
 struct Arguments {
-    SandboxLimits limits;
-    std::uint64_t pixels = 1ULL << 25U;
+    std::string_view kind;
+    SandboxLimits sandbox;
+    GltfLimits limits;
+    std::uint64_t bytes = 1ULL << 20U;  ///< of the file, about
 };
 
 /// Nothing if they are not understood.
 std::optional<Arguments> parse(std::span<const char* const> words)
 {
+    if (words.size() % 2 != 0 || words.size() < 2) { return std::nullopt; }
     Arguments arguments;
-    if (words.size() % 2 != 0 || words.size() < 2 || std::string_view(words[1]) != "exr") {
-        return std::nullopt;
-    }
+    arguments.kind = words[1];
+    if (arguments.kind != "exr" && arguments.kind != "gltf") { return std::nullopt; }
+    const std::pair<std::string_view, std::uint64_t*> options[] = {
+        {"--bytes", &arguments.bytes},
+        {"--memory", &arguments.sandbox.memory},
+        {"--cpu-seconds", &arguments.sandbox.cpu_seconds},
+        {"--pixels", &arguments.limits.pixels},
+        {"--vertices", &arguments.limits.vertices},
+        {"--faces", &arguments.limits.faces}};
     for (std::size_t i = 2; i < words.size(); i += 2) {
         const std::string_view name = words[i], value = words[i + 1];
-        std::uint64_t* const target = name == "--memory"        ? &arguments.limits.memory
-                                      : name == "--cpu-seconds" ? &arguments.limits.cpu_seconds
-                                      : name == "--pixels"      ? &arguments.pixels
-                                                                : nullptr;
-        if (target == nullptr) { return std::nullopt; }
+        const auto* const option = std::find_if(std::begin(options), std::end(options),
+                                                [&](const auto& o) { return o.first == name; });
+        if (option == std::end(options)) { return std::nullopt; }
         const char* const end = value.data() + value.size();
-        const auto [at, failure] = std::from_chars(value.data(), end, *target);
+        const auto [at, failure] = std::from_chars(value.data(), end, *option->second);
         if (failure != std::errc{} || at != end) { return std::nullopt; }
     }
     return arguments;
 }
 
-/// All of standard input; nothing if reading failed.
-std::optional<std::vector<std::byte>> read_all()
+/// All of standard input, some `expected` bytes; nothing if reading failed.
+std::optional<std::vector<std::byte>> read_all(std::uint64_t expected)
 {
-    std::vector<std::byte> file(1U << 20U);
+    std::vector<std::byte> file(expected + 1);  // and one to see that there are no more
     for (std::size_t size = 0;;) {
         const ssize_t count = ::read(STDIN_FILENO, file.data() + size, file.size() - size);
         if (count < 0 && errno == EINTR) { continue; }
@@ -90,19 +103,46 @@ int refuse(Fault fault, std::string_view detail)
     return write_all(STDOUT_FILENO, line + '\n') ? import_protocol::refused : machine_error;
 }
 
+bool write_header(std::uint64_t bytes, const DecodedImage& picture)
+{
+    const import_protocol::Header header{
+        import_protocol::magic, bytes, static_cast<std::uint32_t>(picture.image.width),
+        static_cast<std::uint32_t>(picture.image.height), picture.negatives};
+    return write_all(STDOUT_FILENO, std::as_bytes(std::span(&header, 1)));
+}
+
+bool answer(const DecodedImage& decoded)
+{
+    const auto texels = std::as_bytes(std::span(decoded.image.pixels));
+    return write_header(texels.size(), decoded) && write_all(STDOUT_FILENO, texels);
+}
+
+bool answer(const Asset& asset)
+{
+    std::uint64_t size = 0;
+    const auto count = [&](std::span<const std::byte> bytes) {
+        size += bytes.size();
+        return true;
+    };
+    const auto write = [](std::span<const std::byte> bytes) {
+        return write_all(STDOUT_FILENO, bytes);
+    };
+    return write_asset(asset, count) && write_header(size, {}) && write_asset(asset, write);
+}
+
+template <class T>
+int finish(const Result<T>& decoded)
+{
+    if (!decoded) { return refuse(decoded.error().fault, decoded.error().detail); }
+    return answer(*decoded) ? import_protocol::imported : machine_error;
+}
+
 int import_file(const Arguments& arguments)
 {
-    const auto file = read_all();
+    const auto file = read_all(arguments.bytes);
     if (!file) { return machine_error; }
-    const Result<DecodedImage> decoded = decode_exr(*file, arguments.pixels);
-    if (!decoded) { return refuse(decoded.error().fault, decoded.error().detail); }
-    const Image& image = decoded->image;
-    const import_protocol::ImageHeader header{
-        import_protocol::image_magic, static_cast<std::uint32_t>(image.width),
-        static_cast<std::uint32_t>(image.height), decoded->negatives};
-    const bool written = write_all(STDOUT_FILENO, std::as_bytes(std::span(&header, 1))) &&
-                         write_all(STDOUT_FILENO, std::as_bytes(std::span(image.pixels)));
-    return written ? import_protocol::imported : machine_error;
+    if (arguments.kind == "exr") { return finish(decode_exr(*file, arguments.limits.pixels)); }
+    return finish(decode_gltf(*file, arguments.limits));
 }
 
 int run(std::span<const char* const> words)
@@ -110,11 +150,12 @@ int run(std::span<const char* const> words)
     const auto arguments = parse(words);
     if (!arguments) {
         write_all(STDERR_FILENO,
-                  "relight-import exr [--memory BYTES] [--cpu-seconds N] [--pixels N]\n");
+                  "relight-import exr|gltf [--bytes N] [--memory BYTES] [--cpu-seconds N] "
+                  "[--pixels N] [--vertices N] [--faces N]\n");
         return usage_error;
     }
-    prepare_exr();
-    switch (enter_sandbox(arguments->limits)) {
+    if (arguments->kind == "exr") { prepare_exr(); }
+    switch (enter_sandbox(arguments->sandbox)) {
         case Sandbox::Closed:
             break;
         case Sandbox::LimitsOnly:
@@ -129,7 +170,7 @@ int run(std::span<const char* const> words)
         return import_file(*arguments);
     } catch (const std::bad_alloc&) {
         return refuse(Fault::ImportFailed, "decoding the file takes more memory than the " +
-                                               std::to_string(arguments->limits.memory >> 20U) +
+                                               std::to_string(arguments->sandbox.memory >> 20U) +
                                                " MiB it may have");
     }
 }

@@ -5,7 +5,7 @@
 namespace relight {
 
 struct SandboxLimits {
-    std::uint64_t memory = 1ULL << 30U;  ///< of address space [bytes]
+    std::uint64_t memory = 1ULL << 31U;  ///< of address space [bytes]
     std::uint64_t cpu_seconds = 20;
 };
 

@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const Mesh* given = std::get_if<Mesh>(&request->mesh);
         const Mesh mesh = given == nullptr ? two_groups() : *given;
         Progress progress;
-        static_cast<void>(complete(*request, mesh, prepare(mesh, 1, progress)));
+        static_cast<void>(complete(*request, {mesh, {}, {}}, mesh, prepare(mesh, 1, progress)));
     }
     MultipartParser parser("B", {});
     const std::size_t half = size / 2;

@@ -8,24 +8,26 @@
 namespace relight {
 namespace {
 
-/// A stage of one triangle.
-Result<Stage> triangle()
+/// The model of one triangle.
+Result<Model> triangle()
 {
-    Mesh mesh;
-    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    mesh.faces.indices = {0, 1, 2};
+    Asset asset;
+    asset.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    asset.mesh.faces.indices = {0, 1, 2};
     Progress progress;
-    Stage stage;
-    stage.mesh = std::make_shared<const Mesh>(mesh);
+    Model model;
+    model.asset = std::make_shared<const Asset>(std::move(asset));
+    Stage& stage = model.stage;
+    stage.mesh = std::shared_ptr<const Mesh>(model.asset, &model.asset->mesh);
     stage.surface = std::make_shared<const Surface>(prepare(*stage.mesh, 1, progress));
     stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface);
-    return stage;
+    return model;
 }
 
 /// Counts builds.
 struct Builder {
     int builds = 0;
-    std::function<Result<Stage>()> operator()()
+    std::function<Result<Model>()> operator()()
     {
         return [this] {
             ++builds;
@@ -34,9 +36,9 @@ struct Builder {
     }
 };
 
-TEST(StageCache, BuildsAStageOnceForAllWhoAskAtOnce)
+TEST(ModelCache, BuildsAModelOnceForAllWhoAskAtOnce)
 {
-    StageCache cache(1U << 30U);
+    ModelCache cache(1U << 30U);
     std::atomic<int> builds{0};
     std::vector<std::jthread> threads;
     threads.reserve(8);
@@ -54,10 +56,10 @@ TEST(StageCache, BuildsAStageOnceForAllWhoAskAtOnce)
     EXPECT_EQ(builds, 1);
 }
 
-TEST(StageCache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
+TEST(ModelCache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
 {
     const std::uint64_t one = bytes_of(*triangle());
-    StageCache cache(2 * one + one / 2);
+    ModelCache cache(2 * one + one / 2);
     Builder a;
     Builder b;
     Builder c;
@@ -72,19 +74,19 @@ TEST(StageCache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
     EXPECT_EQ(b.builds, 2);
 }
 
-TEST(StageCache, DoesNotKeepWhatFailedToBuild)
+TEST(ModelCache, DoesNotKeepWhatFailedToBuild)
 {
-    StageCache cache(1U << 30U);
-    const auto fail = []() -> Result<Stage> { return Error{Fault::NoGeometry, "x", {}, {}, {}}; };
+    ModelCache cache(1U << 30U);
+    const auto fail = []() -> Result<Model> { return Error{Fault::NoGeometry, "x", {}, {}, {}}; };
     EXPECT_FALSE(cache.get("a", fail));
-    EXPECT_THROW(static_cast<void>(cache.get("a", []() -> Result<Stage> { throw 1; })), int);
+    EXPECT_THROW(static_cast<void>(cache.get("a", []() -> Result<Model> { throw 1; })), int);
     EXPECT_EQ(cache.bytes(), 0U);
     EXPECT_TRUE(cache.get("a", triangle));
 }
 
-TEST(StageCache, ForgetsEveryStageOfAMesh)
+TEST(ModelCache, ForgetsEveryModelOfAMesh)
 {
-    StageCache cache(1U << 30U);
+    ModelCache cache(1U << 30U);
     Builder built;
     for (const char* key : {"m 1", "m 2", "n 1"}) { ASSERT_TRUE(cache.get(key, built())); }
     cache.forget("m");

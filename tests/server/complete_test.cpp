@@ -31,7 +31,7 @@ Mesh three_groups()
 Result<Scene> completed(const std::string& fields, const Mesh& mesh)
 {
     Progress progress;
-    return complete(parsed(fields), mesh, prepare(mesh, 1, progress));
+    return complete(parsed(fields), {mesh, {}, {}}, mesh, prepare(mesh, 1, progress));
 }
 std::string groups(const std::string& fields)
 {
@@ -219,13 +219,107 @@ TEST(Complete, RefusesVertexColoursThatTheMeshDoesNotHave)
         const std::string one = groups(R"("lamp":)" + vertex(model, field));
         expect_refusals(
             three_groups(),
-            {{whole, Fault::ConflictingFields, std::string("/material/") + field, "no colours"},
+            {{whole, Fault::ConflictingFields, std::string("/material/") + field,
+              "neither colours nor a texture"},
              {one, Fault::ConflictingFields, std::string("/materials/lamp/") + field, "[r,g,b]"}});
         Mesh coloured = three_groups();
         coloured.colors.resize(coloured.positions.size());
         EXPECT_TRUE(completed(whole, coloured)) << model;
         EXPECT_TRUE(completed(one, coloured)) << model;
     }
+}
+
+/// Three groups as a file brings them with materials and lights of its own.
+Asset with_looks()
+{
+    Asset asset{three_groups(), {}, {}};
+    asset.mesh.maps.resize(3);
+    asset.materials.resize(3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        asset.materials[i].roughness = 0.1 * (1.0 + static_cast<double>(i));
+    }
+    asset.lights = {{"lamp", PointLight{{0, 0, 3}, {}}, Rgb::grey(100.0)},
+                    {"sun", DirectionalLight{normalize(Vec3{0, 0, -1})}, Rgb::grey(5.0)}};
+    return asset;
+}
+Result<Scene> completed(const std::string& fields, const Asset& asset)
+{
+    Progress progress;
+    return complete(parsed(fields), asset, asset.mesh, prepare(asset.mesh, 1, progress));
+}
+
+TEST(Complete, AFilesOwnMaterialsStandWhereTheRequestHasNone)
+{
+    const auto roughness = [](const Scene& scene, std::size_t group) {
+        const Material& material = scene.materials[scene.material_of_group[group]];
+        const auto* own = std::get_if<MetallicRoughness>(&material);
+        return own == nullptr ? -1.0 : own->roughness;
+    };
+    const auto textured = [](const Scene& scene, std::size_t group) {
+        return scene.textured[scene.material_of_group[group]];
+    };
+    const auto all = completed(R"("view":{"type":"normal"})", with_looks());
+    ASSERT_TRUE(all);
+    for (std::size_t group = 0; group < 3; ++group) {
+        EXPECT_DOUBLE_EQ(roughness(*all, group), 0.1 * (1.0 + static_cast<double>(group)));
+        EXPECT_TRUE(textured(*all, group));
+    }
+    const auto but_one = completed(groups(R"("lamp":{"model":"lambert"})"), with_looks());
+    ASSERT_TRUE(but_one);
+    EXPECT_EQ(roughness(*but_one, 0), 0.1);
+    EXPECT_EQ(roughness(*but_one, 1), -1.0);
+    EXPECT_FALSE(textured(*but_one, 1));
+    EXPECT_DOUBLE_EQ(roughness(*but_one, 2), 0.3);
+    const auto none = completed(R"("material":{"model":"lambert","albedo":0.5})", with_looks());
+    ASSERT_TRUE(none);
+    EXPECT_EQ(none->materials.size(), 1U);
+    EXPECT_TRUE(none->material_of_group.empty());
+    EXPECT_TRUE(none->textured.empty());
+}
+
+TEST(Complete, ACloudHasTheFilesFirstMaterial)
+{
+    Asset cloud = with_looks();
+    cloud.mesh.faces = {};
+    cloud.mesh.face_materials = {};
+    const auto scene = completed(R"("view":{"type":"normal"})", cloud);
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(std::get<MetallicRoughness>(scene->materials.front()).roughness, 0.1);
+    EXPECT_TRUE(scene->textured.front());
+}
+
+TEST(Complete, AFilesOwnLightsShineWhereTheRequestHasNoneOrAsksForThem)
+{
+    const auto by_default = completed(R"("view":{"type":"normal"})", with_looks());
+    ASSERT_TRUE(by_default);
+    EXPECT_EQ(by_default->units, Units::Photometric);
+    ASSERT_EQ(by_default->lights.size(), 2U);
+    EXPECT_EQ(by_default->lights[0].name, "lamp");
+    EXPECT_EQ(by_default->lights[1].power, Rgb::grey(5.0));
+
+    const auto beside = completed(
+        R"("lights":[{"type":"from_mesh","scale":2,"cast_shadows":false},
+                     {"type":"point","name":"sun","position":[0,0,1],"intensity_cd":1}],
+           "materials":{"1":)" + glowing + "}",
+        with_looks());
+    ASSERT_TRUE(beside) << beside.error().detail;
+    std::vector<std::string> names;
+    for (const Light& light : beside->lights) { names.push_back(light.name); }
+    EXPECT_EQ(names, (std::vector<std::string>{"lamp", "sun_", "light_0", "sun"}));
+    EXPECT_EQ(beside->lights[0].power, Rgb::grey(200.0));
+    EXPECT_FALSE(beside->lights[1].cast_shadows);
+    EXPECT_EQ(std::get<MeshLight>(beside->lights[2].shape).table->size(), 1U);
+}
+
+TEST(Complete, RefusesAFilesLightsBesideWatts)
+{
+    const std::string beside = R"("lights":[{"type":"point","position":[0,0,1],"flux_w":1},
+                                            {"type":"from_mesh"}])";
+    const auto scene = completed(beside, with_looks());
+    ASSERT_FALSE(scene);
+    EXPECT_EQ(scene.error().fault, Fault::MixedUnits);
+    EXPECT_EQ(scene.error().pointer, "/lights/1");
+    EXPECT_TRUE(completed(R"("luminous_efficacy_lm_w":100,)" + beside, with_looks()));
 }
 
 TEST(Complete, RefusesTheLightOfAMeshThatIsDark)
@@ -238,14 +332,14 @@ TEST(Complete, RefusesTheLightOfAMeshThatIsDark)
                       "/lights/1", "\"emissive\": [r,g,b]"},
                      {beside + R"(,"material":{"model":"metallic_roughness","emissive":[1,1,1],
                                                "emissive_strength":0})",
-                      Fault::MissingField, "/lights/1", "no face of this mesh shines"}});
+                      Fault::MissingField, "/lights/1", "no face of it shines"}});
     Mesh flat = test::mesh_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {0, 1, 2});  // no area
     flat.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     expect_refusals(flat, {{beside + R"(,"material":)" + glowing, Fault::MissingField, "/lights/1",
-                            "no face of this mesh shines"}});
+                            "no face of it shines"}});
     flat.faces = {};
     expect_refusals(flat, {{beside + R"(,"material":)" + glowing, Fault::MissingField, "/lights/1",
-                            "no face of this mesh shines"}});
+                            "no face of it shines"}});
 }
 
 }  // namespace

@@ -112,7 +112,8 @@ TEST(SceneJson, ReadsTheRest)
         "camera":{"eye":[0,0,5],"fov_y_deg":90},
         "transport":{"shadows":false,"two_sided":true,"terminator":"none","max_distance":2,
                      "samples":64,"seed":0,"bounces":0,"target_standard_error":null},
-        "points":{"radius_scale":2,"normals":"file"},
+        "points":{"radius_scale":2,"normals":"estimate","viewpoint":[1,2,3]},
+        "refine":{"max_edge":0.5},
         "display":{"exposure_ev":"auto","tone_map":"reinhard_extended","white":3,"transfer":"srgb"},
         "output":{"format":"png","width":10,"height":20,"samples":4,"renderer":"vtk",
                   "background":"transparent"})"));
@@ -122,7 +123,10 @@ TEST(SceneJson, ReadsTheRest)
     EXPECT_TRUE(request.scene.transport.two_sided);
     EXPECT_EQ(request.scene.transport.terminator, Terminator::None);
     EXPECT_EQ(request.scene.transport.max_distance, 2);
-    EXPECT_EQ(request.point_radius_scale, 2);
+    EXPECT_EQ(request.points.radius_scale, 2);
+    EXPECT_EQ(request.points.estimate, true);
+    EXPECT_EQ(request.points.viewpoint, (Point3{1, 2, 3}));
+    EXPECT_EQ(request.max_edge, 0.5);
     EXPECT_TRUE(request.display.auto_exposure);
     EXPECT_EQ(request.display.tone_map, ToneMap::ReinhardExtended);
     EXPECT_EQ(request.display.white, 3);
