@@ -298,7 +298,7 @@ TEST(Complete, AFilesOwnLightsShineWhereTheRequestHasNoneOrAsksForThem)
     EXPECT_EQ(by_default->lights[1].power, Rgb::grey(5.0));
 
     const auto beside = completed(
-        R"("lights":[{"type":"from_mesh","scale":2,"cast_shadows":false},
+        R"("lights":[{"type":"from_mesh","color":[2,2,2],"cast_shadows":false},
                      {"type":"point","name":"sun","position":[0,0,1],"intensity_cd":1}],
            "materials":{"1":)" + glowing + "}",
         with_looks());
