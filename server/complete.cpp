@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/shade/raytrace.h"
+#include "core/transport/textured.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 #include "server/scene_json.h"
@@ -164,7 +165,7 @@ bool is_black(Rgb L)
 std::shared_ptr<const EmitterTable> emitters_of(const Scene& scene, const Mesh& mesh,
                                                 const Surface& surface)
 {
-    std::vector<Rgb> radiance;  // of each of the scene's materials
+    std::vector<Rgb> radiance;  // of each of the scene's materials, textures aside
     bool dark = true;
     for (const Material& material : scene.materials) {
         radiance.push_back(emission(material));
@@ -175,8 +176,10 @@ std::shared_ptr<const EmitterTable> emitters_of(const Scene& scene, const Mesh& 
     std::vector<Emitter> emitters;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
         const std::size_t face = surface.triangle_face.empty() ? t : surface.triangle_face[t];
-        const Rgb L = radiance[grouped ? scene.material_of_group[mesh.face_materials[face]] : 0];
-        if (is_black(L)) { continue; }
+        const std::size_t m = grouped ? scene.material_of_group[mesh.face_materials[face]] : 0;
+        if (is_black(radiance[m])) { continue; }
+        const bool textured = !scene.textured.empty() && scene.textured[m];
+        const Rgb L = textured ? mean_emission(scene.materials[m], mesh, surface, t) : radiance[m];
         auto [a, b, c] = surface.triangles[t];
         // Filed normals say which side is the front, before the winding does.
         const Vec3 wound =

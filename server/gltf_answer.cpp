@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "core/io/glb_parts.h"
 #include "server/gltf_instances.h"
+#include "server/gltf_owners.h"
 
 namespace relight {
 namespace gltf_answer {
 namespace {
-
-constexpr const char* instancing = "EXT_mesh_gpu_instancing";
 
 /// A client's file taken apart. Text is all JSON.
 struct Container {
@@ -43,7 +40,7 @@ Container opened(std::string_view file)
     };
     Container parts{chunk(file_head), {}, {}};
     std::size_t at = file_head + chunk_head + parts.json.size();
-    if (file.size() >= at + chunk_head && file.substr(at + 4, 4) == std::string_view("BIN", 4)) {
+    if (file.size() >= at + chunk_head && u32_at(file, at + 4) == glb::binary_chunk) {
         parts.binary = chunk(at);
         at += chunk_head + parts.binary->size();
     }
@@ -71,114 +68,6 @@ Json parsed(std::string_view text)
     }
     return Json::parse(text);
 }
-
-/// A node and the number of its instance, 0 where it has none: what shows a mesh.
-using Showing = std::pair<std::uint32_t, std::uint32_t>;
-
-/// Gives each showing of a mesh one that is its own, by copying (accessors stay shared) and by
-/// unfolding instances into nodes.
-class Owners {
-  public:
-    Owners(Json& root, std::string_view binary, const std::vector<GltfPiece>& pieces)
-        : root_(root), instances_(root, binary)
-    {
-        for (const GltfPiece& piece : pieces) {
-            auto& count = counts_[piece.node];
-            count = std::max(count, piece.instance + 1ULL);
-            if (count > pieces.size()) { throw Mismatch{}; }
-        }
-    }
-
-    /// The mesh of a showing, as an index into /meshes.
-    std::uint64_t mesh_of(Showing showing)
-    {
-        const auto [at, is_new] = meshes_.try_emplace(showing, 0);
-        if (!is_new) { return at->second; }
-        const Json& node = element(root_, "nodes", showing.first);
-        if (node.contains("extensions") && node["extensions"].contains(instancing)) {
-            unfold(showing.first);
-        } else if (showing.second == 0) {
-            at->second = own(whole(node.at("mesh")));
-            root_["nodes"][showing.first]["mesh"] = at->second;
-        } else {
-            throw Mismatch{};
-        }
-        return at->second;
-    }
-
-    /// The extension's name goes with its last use.
-    void forget_instancing()
-    {
-        if (!unfolded_) { return; }
-        for (const Json& node : root_.at("nodes")) {
-            if (node.contains("extensions") && node["extensions"].contains(instancing)) { return; }
-        }
-        for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
-            if (!root_.contains(list)) { continue; }
-            Json kept = Json::array();
-            for (const Json& name : root_[list]) {
-                if (name != instancing) { kept.push_back(name); }
-            }
-            root_[list] = kept;
-            if (kept.empty()) { root_.erase(list); }  // no array of glTF is empty
-        }
-    }
-
-  private:
-    /// The mesh itself for the first who asks; a copy for each later one.
-    std::uint64_t own(std::uint64_t mesh)
-    {
-        const Json& original = element(root_, "meshes", mesh);
-        if (taken_.insert(mesh).second) { return mesh; }
-        const auto [size, is_new] = sizes_.try_emplace(mesh, 0);
-        if (is_new) { size->second = original.dump().size(); }
-        copied_ += size->second;
-        constexpr std::size_t most_copied = std::size_t{1} << 26U;  // of text; ten times in memory
-        if (copied_ > most_copied) {
-            throw Declined{
-                "a mesh is copied for each node and instance that shows it, and this file's copies "
-                "would take more than 64 MiB of JSON; ask for another format (\"ply\", \"vtp\", "
-                "\"npz\")"};
-        }
-        Json copy = original;  // pushing moves the original
-        root_["meshes"].push_back(std::move(copy));
-        return root_["meshes"].size() - 1;
-    }
-
-    /// A child for each instance, with a mesh of its own.
-    void unfold(std::uint32_t parent)
-    {
-        Json node = root_["nodes"][parent];
-        const std::size_t count = counts_.at(parent);
-        std::vector<Json> children = instances_.nodes(node["extensions"][instancing], count);
-        const std::uint64_t mesh = whole(node.at("mesh"));
-        node.erase("mesh");
-        node["extensions"].erase(instancing);
-        if (node["extensions"].empty()) { node.erase("extensions"); }
-        for (std::uint32_t i = 0; i < count; ++i) {
-            Json& child = children[i];
-            child["mesh"] = meshes_[{parent, i}] = own(mesh);
-            for (const char* of_mesh : {"skin", "weights"}) {
-                if (node.contains(of_mesh)) { child[of_mesh] = node[of_mesh]; }
-            }
-            node["children"].push_back(root_["nodes"].size());
-            root_["nodes"].push_back(std::move(child));
-        }
-        node.erase("skin");
-        node.erase("weights");
-        root_["nodes"][parent] = std::move(node);
-        unfolded_ = true;
-    }
-
-    Json& root_;
-    InstanceReader instances_;
-    std::map<std::uint32_t, std::uint64_t> counts_;  ///< instances of each node
-    std::map<Showing, std::uint64_t> meshes_;
-    std::set<std::uint64_t> taken_;
-    std::map<std::uint64_t, std::size_t> sizes_;  ///< of a mesh's JSON as text
-    std::size_t copied_ = 0;
-    bool unfolded_ = false;
-};
 
 /// Where our bytes begin in buffer 0. One with a uri, or one that is not there, cannot grow: then
 /// a new one comes before it.
@@ -251,9 +140,9 @@ std::string added(const Container& file, const LitMesh& lit)
 
     Json root = parsed(file.json);
     const std::vector<GltfPiece>& pieces = lit.mesh.pieces;
-    constexpr std::size_t most_accessors = 1'000'000;
+    constexpr std::size_t most_accessors = 250'000;
     if (pieces.size() * attributes.size() > most_accessors) {
-        throw Declined{"the answer would have more than a million accessors (" +
+        throw Declined{"the answer would have more than 250000 accessors (" +
                        std::to_string(pieces.size()) + " primitives and instances); ask for " +
                        "another format (\"ply\", \"vtp\", \"npz\")"};
     }
@@ -269,11 +158,10 @@ std::string added(const Container& file, const LitMesh& lit)
     add_comments(root, lit.comments);
 
     std::string_view before = file.binary.value_or(std::string_view());
-    std::uint64_t end = before.size();
+    if (!attributes.empty()) { before = before.substr(0, start_of_ours(root, file)); }
+    std::uint64_t end = (before.size() + 3) / 4 * 4;
     std::vector<Column> columns;
     if (!attributes.empty()) {
-        before = before.substr(0, start_of_ours(root, file));
-        end = (before.size() + 3) / 4 * 4;
         for (Quantity3& attribute : attributes) {
             const std::size_t bytes = attribute.values.size_bytes();
             columns.push_back({std::move(attribute), root["bufferViews"].size()});

@@ -16,8 +16,8 @@ namespace relight {
 /// otherwise; instances of EXT_mesh_gpu_instancing become nodes. `lit.mesh.pieces` says where each
 /// vertex belongs. The importer accepted the file before: nothing here decodes what it compressed.
 /// Errors: Internal (the file is not the one that the mesh came from), NotAvailable (instances
-/// whose transforms are compressed or sparse; copies of meshes beyond 64 MiB of JSON; 4 GiB, the
-/// most that a GLB holds).
+/// whose transforms are compressed or sparse; copies of meshes beyond 16 MiB of JSON, 250000
+/// accessors; 4 GiB, the most that a GLB holds).
 Result<std::string> add_to_gltf(std::span<const std::byte> file, const LitMesh& lit);
 
 }  // namespace relight

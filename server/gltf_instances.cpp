@@ -77,11 +77,16 @@ double component(std::uint64_t type, const char* at)
 
 std::uint64_t whole(const Json& number)
 {
-    if (number.is_number_unsigned()) { return number.get<std::uint64_t>(); }
+    constexpr std::uint64_t largest = 1ULL << 53U;  // of doubles; sums of a few never run over
+    if (number.is_number_unsigned()) {
+        const auto value = number.get<std::uint64_t>();
+        return value <= largest ? value : throw Mismatch{};
+    }
     if (!number.is_number_float()) { throw Mismatch{}; }
     const auto value = number.get<double>();
-    constexpr double largest = 9007199254740992.0;  // 2^53
-    if (!(value >= 0.0 && value <= largest) || std::floor(value) != value) { throw Mismatch{}; }
+    if (!(value >= 0.0 && value <= static_cast<double>(largest)) || std::floor(value) != value) {
+        throw Mismatch{};
+    }
     return static_cast<std::uint64_t>(value);
 }
 

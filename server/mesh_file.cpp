@@ -2,13 +2,17 @@
 
 #include <algorithm>
 
+#include "core/geometry/spacing.h"
 #include "server/import_process.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 #include "server/negotiate.h"
+#include "server/request.h"
 
 namespace relight {
 namespace {
+
+constexpr double default_radius_scale = Points{}.radius_scale;
 
 constexpr std::string_view readable_formats =
     "ply, obj, off, stl, glb, gltf, xyz, txt, pts, pcd, las";
@@ -70,7 +74,7 @@ Result<std::optional<MeshFormat>> choose_reader(std::optional<std::string_view> 
                           "); name it by ?format= or Content-Type if they mislead");
 }
 
-std::string intake_json(const Intake& intake)
+std::string intake_json(const Intake& intake, bool is_cloud)
 {
     return ObjectWriter()
         .count("degenerate_faces", intake.degenerate_faces)
@@ -85,6 +89,7 @@ std::string intake_json(const Intake& intake)
         .count("normals_opposing", intake.normals_opposing)
         .count("polygons_triangulated", intake.polygons_triangulated)
         .count("absent_points", intake.absent_points)
+        .number("expected_light_leak", is_cloud ? expected_leak(default_radius_scale) : 0.0)
         .raw("wound_inward", intake.wound_inward ? "true" : "false")
         .raw("recentring_shift", json_of(intake.recentring_shift))
         .raw("notes", text_array(intake.notes))
@@ -156,7 +161,7 @@ std::string describe(const std::string& id, std::uint64_t bytes, const Asset& as
                         .done())
         .raw("materials", text_array(mesh.materials))
         .raw("lights", text_array(lights))
-        .raw("intake", intake_json(intake))
+        .raw("intake", intake_json(intake, mesh.faces.count() == 0))
         .done();
 }
 

@@ -43,12 +43,6 @@ Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Wo
     model.asset = std::make_shared<const Asset>(std::move(asset));
     const Mesh& filed = model.asset->mesh;
     const Points& points = request.points;
-    if (filed.faces.count() == 0 && filed.normals.empty() && points.estimate == false) {
-        return make_error(Fault::NormalsRequired,
-                          "this cloud brings no normals, and \"normals\": \"file\" asks for them; "
-                          "\"estimate\" finds some from each point's neighbours",
-                          "/points/normals");
-    }
     Stage& stage = model.stage;
     stage.mesh = std::shared_ptr<const Mesh>(model.asset, &filed);
     return timed(timings.bvh, [&]() -> Result<Model> {
@@ -212,7 +206,16 @@ Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
         if (error) { return std::move(*error); }
     }
     return std::visit(ModelFinder{request, parts, workshop, timings, progress}, request.mesh)
-        .and_then([&](const Model& model) {
+        .and_then([&](const Model& model) -> Result<SetUp> {
+            const Mesh& filed = model.asset->mesh;
+            if (request.points.estimate == false && filed.faces.count() == 0 &&
+                filed.normals.empty()) {
+                return make_error(
+                    Fault::NormalsRequired,
+                    "this cloud brings no normals, and \"normals\": \"file\" asks for "
+                    "them; \"estimate\" finds some from each point's neighbours",
+                    "/points/normals");
+            }
             return timed(timings.parse, [&] {
                 return complete(request, *model.asset, *model.stage.mesh, *model.stage.surface)
                     .transform([&](Scene&& scene) {

@@ -1,13 +1,274 @@
 #include "core/geometry/cloud_normals.h"
 
-namespace relight {
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
 
-std::vector<Dir3> estimate_normals(std::span<const Point3> points,
-                                   std::span<const std::uint32_t> /*absent*/,
-                                   const std::optional<Point3>& /*toward*/, unsigned /*threads*/,
-                                   Progress& /*progress*/)
+namespace relight {
+namespace {
+
+using Matrix3 = std::array<std::array<double, 3>, 3>;
+
+/// One of Jacobi's rotations: a := R^T a R without a[p][q], v := v R.
+void rotate(Matrix3& a, Matrix3& v, std::size_t p, std::size_t q)
 {
-    return std::vector<Dir3>(points.size());
+    if (a[p][q] == 0.0) { return; }
+    const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+    const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
+    const double c = 1.0 / std::sqrt(t * t + 1.0);
+    const double s = t * c;
+    const auto turn = [c, s](double& x, double& y) {
+        const double before = x;
+        x = c * before - s * y;
+        y = s * before + c * y;
+    };
+    for (std::size_t k = 0; k < 3; ++k) { turn(a[k][p], a[k][q]); }
+    for (std::size_t k = 0; k < 3; ++k) { turn(a[p][k], a[q][k]); }
+    for (std::size_t k = 0; k < 3; ++k) { turn(v[k][p], v[k][q]); }
+}
+
+/// Direction in which a symmetric matrix of trace 1 is least. "No direction" where that is no
+/// single one, or the second least is none either: what spread lies there is rounding.
+Dir3 least_direction(Matrix3 a)
+{
+    constexpr int enough = 8;  // sweeps; convergence is quadratic
+    constexpr double settled = 1e-17;
+    constexpr double least_gap = 1e-8;  // of variances: a strip 1/10,000 as wide as long is a line
+    Matrix3 v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int sweep = 0; sweep < enough; ++sweep) {
+        if (std::abs(a[0][1]) + std::abs(a[0][2]) + std::abs(a[1][2]) < settled) { break; }
+        rotate(a, v, 0, 1);
+        rotate(a, v, 0, 2);
+        rotate(a, v, 1, 2);
+    }
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t i, std::size_t j) { return a[i][i] < a[j][j]; });
+    const std::size_t least = order[0], second = order[1];
+    if (!(a[second][second] - a[least][least] > least_gap)) { return {}; }
+    return normalize({v[0][least], v[1][least], v[2][least]});
+}
+
+/// Direction of least spread of a point and its neighbours; either side.
+Dir3 across(std::span<const Point3> points, std::size_t point,
+            std::span<const std::uint32_t> neighbours)
+{
+    if (neighbours.size() < 2) { return {}; }
+    const auto n = static_cast<double>(neighbours.size() + 1);
+    Vec3 mean;  // relative to the point, so that nothing cancels far from the origin
+    for (const std::uint32_t i : neighbours) { mean += (points[i] - points[point]) / n; }
+    Matrix3 spread{};
+    const auto add = [&](Vec3 from_mean) {
+        const std::array<double, 3> d{from_mean.x, from_mean.y, from_mean.z};
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c) { spread[r][c] += d[r] * d[c]; }
+        }
+    };
+    add(-mean);
+    for (const std::uint32_t i : neighbours) { add(points[i] - points[point] - mean); }
+    const double trace = spread[0][0] + spread[1][1] + spread[2][2];
+    if (!(trace > 0.0)) { return {}; }
+    for (auto& row : spread) {
+        for (double& entry : row) { entry /= trace; }
+    }
+    return least_direction(spread);
+}
+
+/// How two neighbours' normals go together.
+struct Step {
+    double cost;   ///< 0 between places of one plane, up to 3
+    bool opposed;  ///< one of the normals is on the wrong side
+};
+
+Step step(Vec3 between, Dir3 a, Dir3 b)
+{
+    const Dir3 e = normalize(between);
+    const double rise_a = dot(e, a), rise_b = dot(e, b);
+    // a as the other end of a circular arc would have it: mirrored in the plane between the two.
+    // So the sides of a sharp edge agree, and those of a sheet, one behind the other, do not.
+    const double agreement = dot(a, b) - 2.0 * rise_a * rise_b;
+    const double cost = 1.0 - std::abs(agreement) + rise_a * rise_a + rise_b * rise_b;
+    return {std::clamp(cost, 0.0, 3.0), agreement < 0.0};
+}
+
+/// Disjoint sets of points, each of which knows whether it is to be turned over to agree with its
+/// set's root.
+class Parts {
+  public:
+    struct Place {
+        std::uint32_t root;
+        bool opposed;
+    };
+
+    explicit Parts(std::size_t count) : parent_(count), size_(count, 1), opposed_(count, 0)
+    {
+        std::iota(parent_.begin(), parent_.end(), 0U);
+    }
+    Place find(std::uint32_t i)
+    {
+        bool opposed = false;
+        while (parent_[i] != i) {
+            const std::uint32_t up = parent_[i];
+            opposed_[i] ^= opposed_[up];  // a root's own is 0, so this is safe below one
+            parent_[i] = parent_[up];
+            opposed = opposed != (opposed_[i] != 0);
+            i = parent_[i];
+        }
+        return {i, opposed};
+    }
+    /// Joins two different parts whose roots agree or do not.
+    void join(std::uint32_t a, std::uint32_t b, bool opposed)
+    {
+        if (size_[a] < size_[b]) { std::swap(a, b); }
+        parent_[b] = a;
+        size_[a] += size_[b];
+        opposed_[b] = opposed ? 1 : 0;
+    }
+
+  private:
+    std::vector<std::uint32_t> parent_, size_;
+    std::vector<std::uint8_t> opposed_;
+};
+
+/// Kruskal's minimum spanning tree over the neighbours, cheapest steps first.
+Parts agree(std::span<const Point3> points, const Neighbours& neighbours,
+            const std::vector<Dir3>& normals, const Progress& progress)
+{
+    // Cost and place of each edge in one number: equal costs go by place. Neighbours both ways
+    // count once.
+    constexpr unsigned place_bits = 40;
+    constexpr double finest = 1 << 22;  // costs up to 3 in 24 bits
+    std::vector<std::uint64_t> edges;
+    edges.reserve(Neighbours::most * points.size() * 5 / 8);  // most are both ways
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        const auto around = neighbours.of(i);
+        for (std::size_t k = 0; k < around.size() && normals[i]; ++k) {
+            const std::uint32_t j = around[k];
+            const auto back = neighbours.of(j);
+            if (!normals[j] || (j < i && std::find(back.begin(), back.end(), i) != back.end())) {
+                continue;
+            }
+            const double cost = step(points[j] - points[i], normals[i], normals[j]).cost;
+            edges.push_back(static_cast<std::uint64_t>(cost * finest) << place_bits |
+                            (std::uint64_t{i} * Neighbours::most + k));
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+    Parts parts(points.size());
+    for (const std::uint64_t edge : edges) {
+        if (progress.stopped()) { break; }
+        const std::uint64_t place = edge & ((std::uint64_t{1} << place_bits) - 1);
+        const auto i = static_cast<std::uint32_t>(place / Neighbours::most);
+        const std::uint32_t j = neighbours.of(i)[place % Neighbours::most];
+        const Parts::Place a = parts.find(i), b = parts.find(j);
+        if (a.root == b.root) { continue; }
+        const bool opposed = step(points[j] - points[i], normals[i], normals[j]).opposed;
+        parts.join(a.root, b.root, (a.opposed != b.opposed) != opposed);
+    }
+    return parts;
+}
+
+/// What decides the side of a part: sums over its surface, from its root.
+struct Part {
+    double area = 0.0, squares = 0.0, flux = 0.0;
+    Vec3 moment, normal;
+
+    void add(Vec3 from_root, Dir3 n, double a)
+    {
+        area += a;
+        squares += a * dot(from_root, from_root);
+        flux += a * dot(from_root, n);
+        moment += from_root * a;
+        normal += Vec3(n) * a;
+    }
+
+    /// A closed surface has a mean normal of 0 and lets the flux of p out, three times its volume;
+    /// a sheet has a mean normal of 1, and no flux from its centre. In units of the radius, the
+    /// flux decides if it is more than half of the other: of a sphere's cap, as a scan from one
+    /// side shows it, from 38 degrees around its axis on. Hollows of a terrain are flatter.
+    bool is_inside_out() const
+    {
+        if (!(area > 0.0)) { return false; }
+        const Vec3 centre = moment / area;
+        const Vec3 mean = normal / area;
+        const double radius = std::sqrt(std::max(0.0, squares / area - dot(centre, centre)));
+        const double outward = flux / area - dot(centre, mean);
+        if (std::abs(outward) > 0.5 * radius * length(mean)) { return outward < 0.0; }
+        constexpr double same = 1.0 + 1e-9;  // a tie but for rounding is z's, then y's
+        double most = mean.z;
+        for (const double along : {mean.y, mean.x}) {
+            if (std::abs(along) > same * std::abs(most)) { most = along; }
+        }
+        return most < 0.0;
+    }
+};
+
+void turn_outward(std::span<const Point3> points, std::span<const float> spacing, Parts& parts,
+                  std::vector<Dir3>& normals)
+{
+    std::vector<std::uint32_t> number(points.size());  // of the part, at its root
+    std::vector<Part> sums;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        if (parts.find(i).root != i) { continue; }
+        number[i] = static_cast<std::uint32_t>(sums.size());
+        sums.emplace_back();
+    }
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        const auto [root, opposed] = parts.find(i);
+        if (opposed) { normals[i] = -normals[i]; }
+        const auto s = static_cast<double>(spacing[i]);
+        sums[number[root]].add(points[i] - points[root], normals[i], s * s);
+    }
+    std::vector<bool> inside_out(sums.size());
+    std::transform(sums.begin(), sums.end(), inside_out.begin(),
+                   [](const Part& part) { return part.is_inside_out(); });
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+        if (inside_out[number[parts.find(i).root]]) { normals[i] = -normals[i]; }
+    }
+}
+
+}  // namespace
+
+std::vector<Dir3> estimate_normals(std::span<const Point3> points, const Neighbours& neighbours,
+                                   std::span<const float> spacing,
+                                   const std::optional<Point3>& toward, unsigned threads,
+                                   Progress& progress)
+{
+    std::vector<Dir3> normals(points.size());
+    parallel_for(points.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            normals[i] = across(points, i, neighbours.of(i));
+            if (toward && dot(*toward - points[i], normals[i]) < 0.0) { normals[i] = -normals[i]; }
+        }
+    });
+    if (!toward && !progress.stopped()) {
+        Parts parts = agree(points, neighbours, normals, progress);
+        turn_outward(points, spacing, parts, normals);
+    }
+    return normals;
+}
+
+std::vector<float> cloud_bend(std::span<const Dir3> normals, const Neighbours& neighbours,
+                              unsigned threads, Progress& progress)
+{
+    std::vector<float> bend(normals.size());
+    parallel_for(normals.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            double least = 1.0;  // cosine
+            for (const std::uint32_t j : neighbours.of(i)) {
+                if (normals[i] && normals[j]) {
+                    least = std::min(least, dot(normals[i], normals[j]));
+                }
+            }
+            constexpr double further = 2.0;
+            const double angle = further * std::acos(std::clamp(least, 0.0, 1.0));
+            bend[i] = static_cast<float>(std::sin(std::min(angle, 0.5 * std::numbers::pi)));
+        }
+    });
+    return bend;
 }
 
 }  // namespace relight

@@ -1,55 +1,56 @@
 #include "core/geometry/spacing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <nanoflann.hpp>
 #include <numbers>
 
 namespace relight {
 namespace {
 
-/// nanoflann's view of our points.
-struct Cloud {
-    std::span<const Point3> points;
-    std::size_t kdtree_get_point_count() const { return points.size(); }
-    double kdtree_get_pt(std::size_t i, std::size_t axis) const
-    {
-        const Point3 p = points[i];
-        return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
-    }
-    template <class Box>
-    bool kdtree_get_bbox(Box& /*box*/) const
-    {
-        return false;
-    }
-};
+constexpr std::size_t counted = 8;          // neighbours
+constexpr float most_of_neighbours = 3.0F;  // a corner of a square grid: 2
 
-constexpr std::size_t neighbours = 8;
+std::span<const std::uint32_t> nearest(const Neighbours& neighbours, std::size_t point)
+{
+    const auto all = neighbours.of(point);
+    return all.first(std::min(counted, all.size()));
+}
 
 }  // namespace
 
-std::vector<float> cloud_spacing(std::span<const Point3> points, unsigned threads,
-                                 Progress& progress)
+std::vector<float> cloud_spacing(std::span<const Point3> points, const Neighbours& neighbours,
+                                 unsigned threads, Progress& progress)
 {
-    std::vector<float> spacing(points.size(), 0.0F);
-    if (points.size() < 2) { return spacing; }
-    const Cloud cloud{points};
-    using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>,
-                                                     Cloud, 3, std::size_t>;
-    const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-    const std::size_t wanted = std::min(neighbours + 1, points.size());  // itself is the first
-    const double per_neighbours = std::sqrt(std::numbers::pi / static_cast<double>(wanted - 1));
-    parallel_for(points.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
-        std::array<std::size_t, neighbours + 1> index{};
-        std::array<double, neighbours + 1> squared{};
+    constexpr std::size_t block = 4096;
+    std::vector<float> density(points.size());  // as the neighbours' number says
+    parallel_for(points.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const std::array<double, 3> query{points[i].x, points[i].y, points[i].z};
-            const std::size_t found =
-                tree.knnSearch(query.data(), wanted, index.data(), squared.data());
-            spacing[i] = static_cast<float>(std::sqrt(squared[found - 1]) * per_neighbours);
+            const auto near = nearest(neighbours, i);
+            if (near.empty()) { continue; }
+            const double per_area = std::numbers::pi / static_cast<double>(near.size());
+            density[i] =
+                static_cast<float>(length(points[near.back()] - points[i]) * std::sqrt(per_area));
+        }
+    });
+    std::vector<float> spacing(points.size());
+    parallel_for(points.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        std::array<float, counted> around{};
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto near = nearest(neighbours, i);
+            if (near.empty()) { continue; }
+            for (std::size_t k = 0; k < near.size(); ++k) { around[k] = density[near[k]]; }
+            const auto middle = around.begin() + near.size() / 2;
+            std::nth_element(around.begin(), middle, around.begin() + near.size());
+            spacing[i] = std::min(density[i], most_of_neighbours * *middle);
         }
     });
     return spacing;
+}
+
+double expected_leak(double radius_scale)
+{
+    return std::exp(-std::numbers::pi * radius_scale * radius_scale);
 }
 
 }  // namespace relight

@@ -68,6 +68,20 @@ void triangulate_faces(const Mesh& mesh, Surface& surface)
     }
 }
 
+/// Surface::vertex_groups.
+std::vector<std::uint32_t> vertex_groups_of(const Mesh& mesh)
+{
+    if (mesh.maps.empty() || mesh.face_materials.empty()) { return {}; }
+    std::vector<std::uint32_t> groups(mesh.positions.size(), no_group);
+    for (std::size_t face = 0; face < mesh.faces.count(); ++face) {
+        for (std::size_t c = mesh.faces.begin(face); c < mesh.faces.end(face); ++c) {
+            std::uint32_t& group = groups[mesh.faces.indices[c]];
+            if (group == no_group) { group = mesh.face_materials[face]; }
+        }
+    }
+    return groups;
+}
+
 /// Angle-weighted normals (Thürmer and Wüthrich 1998), shortest edges, and which vertices are used:
 /// one pass over the triangles in their order.
 struct FromFaces {
@@ -136,10 +150,16 @@ Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress,
     const bool cloud = surface.triangles.empty();
     FromFaces faces = walk_faces(mesh, surface);
     const bool estimate = cloud && (cloud_normals.estimate || mesh.normals.empty());
-    const std::vector<Dir3> estimated =
-        estimate
-            ? estimate_normals(mesh.positions, mesh.absent, cloud_normals.toward, threads, progress)
-            : std::vector<Dir3>();
+    std::vector<Dir3> estimated;
+    Neighbours neighbours;
+    if (cloud) {
+        neighbours = neighbours_of(mesh.positions, mesh.absent, threads, progress);
+        surface.spacing = cloud_spacing(mesh.positions, neighbours, threads, progress);
+        if (estimate) {
+            estimated = estimate_normals(mesh.positions, neighbours, surface.spacing,
+                                         cloud_normals.toward, threads, progress);
+        }
+    }
     surface.intake.absent_points = mesh.absent.size();
     surface.normals.resize(count);
     for (std::size_t v = 0; v < count; ++v) {
@@ -153,11 +173,18 @@ Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress,
         if (!cloud && faces.used[v] == 0) { ++surface.intake.unreferenced_vertices; }
         if (!std::isfinite(faces.shortest_edge[v])) { faces.shortest_edge[v] = 0.0F; }
     }
-    for (const std::uint32_t v : mesh.absent) { surface.normals[v] = {}; }
+    for (const std::uint32_t v : mesh.absent) {
+        if (surface.normals[v]) { ++surface.intake.unlit_vertices; }
+        surface.normals[v] = {};
+    }
+    surface.vertex_groups = vertex_groups_of(mesh);
     surface.tangents = tangents_of(mesh, surface);
     apply_normal_maps(mesh, surface);
-    surface.spacing =
-        cloud ? cloud_spacing(mesh.positions, threads, progress) : std::move(faces.shortest_edge);
+    if (cloud) {
+        surface.bend = cloud_bend(surface.normals, neighbours, threads, progress);
+    } else {
+        surface.spacing = std::move(faces.shortest_edge);
+    }
     return surface;
 }
 

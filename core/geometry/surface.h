@@ -39,20 +39,29 @@ struct Bounds {
     double diagonal() const { return length(max - min); }
 };
 
+/// A vertex of no group of faces.
+inline constexpr std::uint32_t no_group = ~0U;
+
 /// A mesh made ready for light: normals, triangles, the size of things. A point cloud is a Surface
 /// without triangles.
 struct Surface {
     std::vector<Triangle> triangles;           ///< of the faces, in their order; empty for clouds
     std::vector<std::uint32_t> triangle_face;  ///< face of each triangle; empty: the same index
     std::vector<Dir3> normals;                 ///< V; "no direction": the vertex cannot be lit
-    /// V unit tangents along increasing u of the texture coordinates, perpendicular to the normal,
-    /// and the sign of the bitangent; empty: the mesh has none. A zero one: none here.
+    /// V unit tangents along increasing u of the texture coordinates, perpendicular to the (smooth)
+    /// normal, and the sign of the bitangent; empty: the mesh has none. A zero one: none here.
     std::vector<std::array<float, 4>> tangents;
+    /// V, into Mesh::maps: of the first face that uses the vertex; no_group: none does. Empty: the
+    /// mesh has no maps.
+    std::vector<std::uint32_t> vertex_groups;
     /// V normals before the mesh's normal maps bent them; empty: none did. Between vertices, these
     /// are interpolated and bent anew.
     std::vector<Dir3> smooth_normals;
     std::vector<float> spacing;  ///< V, scene units: shortest edge at the vertex; in a cloud,
                                  ///< 1/sqrt(points per area) around it
+    /// V, clouds only: sine of twice the angle by which the normals turn from a point to its
+    /// neighbours (1: a right angle or more). So far beyond a silhouette its disc may show.
+    std::vector<float> bend;
     Bounds bounds;
     double quantum = 0.0;  ///< coarsest step of the coordinates as filed, scene units
     Intake intake;
@@ -69,7 +78,7 @@ Intake inspect(const Mesh& mesh, const Surface& surface);
 /// How the normals of a cloud come about.
 struct CloudNormals {
     bool estimate = false;         ///< even if the file brings some
-    std::optional<Point3> toward;  ///< they face this place; absent: see orient_normals
+    std::optional<Point3> toward;  ///< they face this place; absent: see estimate_normals
 };
 
 /// Normals (filed ones kept, else angle-weighted from the faces, else of a cloud estimated),

@@ -6,15 +6,24 @@
 namespace relight {
 namespace {
 
-using Uv = std::array<float, 2>;
+/// Which set of texture coordinates tangents follow: the one that the normal map lies on.
+const std::vector<Uv>& leading_uvs(const Mesh& mesh, std::size_t face)
+{
+    if (mesh.maps.empty() || mesh.face_materials.empty() || mesh.uvs_1.empty()) { return mesh.uvs; }
+    const auto& normal = mesh.maps[mesh.face_materials[face]].normal;
+    return mesh.uvs.empty() || (normal && normal->uv_set == 1) ? mesh.uvs_1 : mesh.uvs;
+}
 
 /// Texture coordinates of a triangle's three corners.
 std::array<Uv, 3> uvs_of(const Mesh& mesh, const Surface& surface, std::size_t triangle)
 {
     const Triangle& t = surface.triangles[triangle];
-    if (mesh.corner_uvs.empty()) { return {mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]}; }
     const std::size_t face =
         surface.triangle_face.empty() ? triangle : surface.triangle_face[triangle];
+    if (mesh.corner_uvs.empty()) {
+        const std::vector<Uv>& uvs = leading_uvs(mesh, face);
+        return {uvs[t[0]], uvs[t[1]], uvs[t[2]]};
+    }
     const auto first =
         mesh.faces.indices.begin() + static_cast<std::ptrdiff_t>(mesh.faces.begin(face));
     const auto last =
@@ -27,9 +36,24 @@ std::array<Uv, 3> uvs_of(const Mesh& mesh, const Surface& surface, std::size_t t
     return uvs;
 }
 
-/// Area-weighted direction of dP/du: of edges e_i = du_i P_u + dv_i P_v, eliminating P_v. Zero
-/// where the coordinates span no area.
-Vec3 along_u(Vec3 e1, Vec3 e2, const std::array<Uv, 3>& uvs)
+/// Of one triangle or the sum of some, weighted by area.
+struct Along {
+    Vec3 u;         ///< direction of dP/du
+    Vec3 up;        ///< direction of dP/du x (-dP/dv): toward who sees the picture unmirrored
+    double area{};  ///< twice
+
+    Along& operator+=(const Along& other)
+    {
+        u += other.u;
+        up += other.up;
+        area += other.area;
+        return *this;
+    }
+};
+
+/// Of edges e_i = du_i P_u + dv_i P_v, eliminating P_v; e_1 x e_2 = (du_1 dv_2 - du_2 dv_1)
+/// P_u x P_v. Zero where the coordinates span no area.
+Along along(Vec3 e1, Vec3 e2, const std::array<Uv, 3>& uvs)
 {
     const auto difference = [&](std::size_t k, std::size_t axis) {
         return static_cast<double>(uvs[k][axis]) - static_cast<double>(uvs[0][axis]);
@@ -42,37 +66,57 @@ Vec3 along_u(Vec3 e1, Vec3 e2, const std::array<Uv, 3>& uvs)
     if (!(std::abs(determinant) > rounding * (std::abs(du1 * dv2) + std::abs(du2 * dv1)))) {
         return {};
     }
-    const Vec3 direction = normalize(e1 * dv2 - e2 * dv1);
-    return direction * std::copysign(length(cross(e1, e2)), determinant);
+    const Dir3 u = normalize(e1 * dv2 - e2 * dv1);
+    if (!u) { return {}; }
+    const Vec3 doubled_area = cross(e1, e2);
+    const double area = length(doubled_area);
+    return {Vec3(u) * std::copysign(area, determinant),
+            doubled_area * std::copysign(1.0, -determinant), area};
+}
+
+std::array<float, 4> tangent(Dir3 along_u, double sign)
+{
+    return {static_cast<float>(along_u.x()), static_cast<float>(along_u.y()),
+            static_cast<float>(along_u.z()), static_cast<float>(std::copysign(1.0, sign))};
+}
+
+/// Tangents of the texture coordinates; zero where there are none.
+std::vector<std::array<float, 4>> computed(const Mesh& mesh, const Surface& surface)
+{
+    std::vector<std::array<float, 4>> tangents(mesh.positions.size());
+    if (mesh.uvs.empty() && mesh.uvs_1.empty() && mesh.corner_uvs.empty()) { return tangents; }
+    std::vector<Along> sums(mesh.positions.size());
+    for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
+        const Triangle& t = surface.triangles[i];
+        const Point3 a = mesh.positions[t[0]];
+        const Along one =
+            along(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a, uvs_of(mesh, surface, i));
+        for (const unsigned v : t) { sums[v] += one; }
+    }
+    // Mirrored halves that meet cancel; what their roundings leave over is no direction.
+    constexpr double least_agreement = 1e-6;
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+        const Dir3 n = surface.normals[v];
+        const Vec3 in_plane = sums[v].u - Vec3(n) * dot(sums[v].u, n);
+        if (!n || !(length(in_plane) > least_agreement * sums[v].area)) { continue; }
+        tangents[v] = tangent(normalize(in_plane), dot(sums[v].up, n));
+    }
+    return tangents;
 }
 
 }  // namespace
 
 std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface)
 {
-    if (surface.triangles.empty() || (mesh.uvs.empty() && mesh.corner_uvs.empty())) { return {}; }
-    std::vector<Vec3> sums(mesh.positions.size());
-    std::vector<double> areas(mesh.positions.size());
-    for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-        const Triangle& t = surface.triangles[i];
-        const Point3 a = mesh.positions[t[0]];
-        const Vec3 sum =
-            along_u(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a, uvs_of(mesh, surface, i));
-        for (const unsigned v : t) {
-            sums[v] += sum;
-            areas[v] += length(sum);
-        }
-    }
-    // Mirrored halves that meet cancel; what their roundings leave over is no direction.
-    constexpr double least_agreement = 1e-6;
-    std::vector<std::array<float, 4>> tangents(sums.size());
-    for (std::size_t v = 0; v < sums.size(); ++v) {
+    const bool none =
+        mesh.tangents.empty() && mesh.uvs.empty() && mesh.uvs_1.empty() && mesh.corner_uvs.empty();
+    if (surface.triangles.empty() || none) { return {}; }
+    std::vector<std::array<float, 4>> tangents = computed(mesh, surface);
+    for (std::size_t v = 0; v < mesh.tangents.size(); ++v) {
+        const Vec3 filed = direction_of(mesh.tangents[v]);
         const Dir3 n = surface.normals[v];
-        const Vec3 in_plane = sums[v] - Vec3(n) * dot(sums[v], n);
-        if (!n || !(length(in_plane) > least_agreement * areas[v])) { continue; }
-        const Dir3 x = normalize(in_plane);
-        tangents[v] = {static_cast<float>(x.x()), static_cast<float>(x.y()),
-                       static_cast<float>(x.z()), 1.0F};
+        const Dir3 x = normalize(filed - Vec3(n) * dot(filed, n));
+        if (n && x) { tangents[v] = tangent(x, static_cast<double>(mesh.tangents[v][3])); }
     }
     return tangents;
 }
@@ -81,10 +125,8 @@ Frame shading_frame(const Surface& surface, std::size_t vertex)
 {
     const Dir3 n = surface.normals[vertex];
     if (surface.tangents.empty() || !n) { return frame_around(n); }
-    const auto& t = surface.tangents[vertex];
-    const Vec3 along{static_cast<double>(t[0]), static_cast<double>(t[1]),
-                     static_cast<double>(t[2])};
-    const Dir3 x = normalize(along - Vec3(n) * dot(along, n));
+    const Vec3 u = direction_of(surface.tangents[vertex]);
+    const Dir3 x = normalize(u - Vec3(n) * dot(u, n));
     if (!x) { return frame_around(n); }
     return {x, normalize(cross(n, x)), n};
 }

@@ -7,8 +7,20 @@
 
 namespace relight {
 
-/// Surface::tangents as filed, else from the mesh's texture coordinates (those of the corners,
-/// where it has them), for a surface with triangles and normals. Empty: the mesh has none.
+/// Surface::tangents for a surface with triangles, normals and groups: those filed, made
+/// perpendicular to the normal; where none is filed, dP/du of the texture coordinates (those of the
+/// corners, where the mesh has them; the second set where the normal map of the face's group lies
+/// on it). Empty: the mesh has neither.
+///
+/// The sign is that of glTF's bitangents, which run up the picture while v runs down: +1 where the
+/// picture reads the right way round from the side that the normal is on, -1 where it is mirrored.
 std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface);
+
+/// What a surface's tangent holds.
+inline Vec3 direction_of(const std::array<float, 4>& tangent)
+{
+    return {static_cast<double>(tangent[0]), static_cast<double>(tangent[1]),
+            static_cast<double>(tangent[2])};
+}
 
 }  // namespace relight

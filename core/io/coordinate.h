@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "core/base/result.h"
@@ -24,5 +25,27 @@ inline Result<double> parse_coordinate(std::string_view word, std::string_view e
     if (!number) { return coordinate_error(number.kind, word, expected, line); }
     return number.value;
 }
+
+/// True if `word`, which parse_real finds NonFinite, is one of the spellings of NaN.
+bool says_nan(std::string_view word);
+
+/// Why point `index` is no place, if so: infinite, or of a magnitude beyond largest_coordinate. NaN
+/// is none of these: it marks a point as absent.
+std::optional<Error> misplaced(std::size_t index, Point3 p);
+
+/// NaN in any coordinate: how scans keep the place of a ray that met nothing.
+inline bool is_absent(Point3 p)
+{
+    return std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z);
+}
+inline bool is_placed(Point3 p)
+{
+    return std::abs(p.x) <= largest_coordinate && std::abs(p.y) <= largest_coordinate &&
+           std::abs(p.z) <= largest_coordinate;  // false for NaN, too
+}
+
+/// Puts the points of Mesh::absent where the first of the others is, and says in a note how many
+/// there are. Error: NoGeometry if there are no others.
+std::optional<Error> place_absent(Mesh& mesh);
 
 }  // namespace relight

@@ -6,25 +6,25 @@
 #include <string>
 #include <utility>
 
+#include "core/io/point_columns.h"
 #include "core/io/readers.h"
+#include "core/io/row_scanner.h"
 #include "core/io/text_scanner.h"
+#include "core/io/utf8.h"
 
 namespace relight {
 namespace {
 
 using Named = std::pair<std::string_view, MeshFormat>;
 
-constexpr Named names[] = {{"ply", MeshFormat::Ply},
-                           {"obj", MeshFormat::Obj},
-                           {"off", MeshFormat::Off},
-                           {"stl", MeshFormat::Stl},
-                           {"xyz", MeshFormat::Xyz},
-                           {"txt", MeshFormat::Xyz},
-                           {"pts", MeshFormat::Pts},
-                           {"pcd", MeshFormat::Pcd},
-                           {"las", MeshFormat::Las}};
+constexpr Named names[] = {
+    {"ply", MeshFormat::Ply}, {"obj", MeshFormat::Obj}, {"off", MeshFormat::Off},
+    {"stl", MeshFormat::Stl}, {"xyz", MeshFormat::Xyz}, {"txt", MeshFormat::Xyz},
+    {"pts", MeshFormat::Pts}, {"pcd", MeshFormat::Pcd}, {"las", MeshFormat::Las},
+    {"laz", MeshFormat::Las}};  // whose reader says what to do
 
-// IANA has model/stl, model/obj and text/prs.wavefront-obj; the rest is what clients send.
+// IANA has model/stl, model/obj, text/prs.wavefront-obj, application/vnd.las and vnd.laszip; the
+// rest is what clients send. text/plain and text/csv leave it to the bytes.
 constexpr Named media_types[] = {{"model/ply", MeshFormat::Ply},
                                  {"application/ply", MeshFormat::Ply},
                                  {"application/x-ply", MeshFormat::Ply},
@@ -38,7 +38,15 @@ constexpr Named media_types[] = {{"model/ply", MeshFormat::Ply},
                                  {"model/x.stl-ascii", MeshFormat::Stl},
                                  {"model/x.stl-binary", MeshFormat::Stl},
                                  {"application/sla", MeshFormat::Stl},
-                                 {"application/vnd.ms-pki.stl", MeshFormat::Stl}};
+                                 {"application/vnd.ms-pki.stl", MeshFormat::Stl},
+                                 {"application/vnd.las", MeshFormat::Las},
+                                 {"application/x-las", MeshFormat::Las},
+                                 {"application/vnd.laszip", MeshFormat::Las},
+                                 {"application/x-pcd", MeshFormat::Pcd},
+                                 {"application/pcd", MeshFormat::Pcd},
+                                 {"application/x-pts", MeshFormat::Pts},
+                                 {"application/x-xyz", MeshFormat::Xyz},
+                                 {"chemical/x-xyz", MeshFormat::Xyz}};  // as systems map .xyz
 
 constexpr std::string_view off_words[] = {"OFF",   "COFF",   "NOFF",   "CNOFF",
                                           "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
@@ -72,6 +80,29 @@ std::string_view first_word(std::span<const std::byte> file)
     }
 }
 
+bool starts_with(std::span<const std::byte> file, std::string_view magic)
+{
+    return file.size() >= magic.size() && std::memcmp(file.data(), magic.data(), magic.size()) == 0;
+}
+
+/// Rows of numbers, perhaps under a line of names, or under the number of points.
+std::optional<MeshFormat> format_of_rows(std::span<const std::byte> file)
+{
+    using Row = std::span<const std::string_view>;
+    const auto is_point = [](Row row) {
+        return row.size() >= 3 && parse_real(row[0]) && parse_real(row[1]) && parse_real(row[2]);
+    };
+    RowScanner rows(without_byte_order_mark(file));
+    const Row first = rows.next();
+    if (is_point(first)) { return MeshFormat::Xyz; }
+    const bool counted = first.size() == 1 && parse_integer(first[0]);
+    const bool named = first.size() >= 3 && columns_named(first);
+    if ((counted || named) && is_point(rows.next())) {
+        return counted ? MeshFormat::Pts : MeshFormat::Xyz;
+    }
+    return {};
+}
+
 }  // namespace
 
 std::optional<MeshFormat> mesh_format_named(std::string_view name)
@@ -93,11 +124,13 @@ std::optional<MeshFormat> mesh_format_of_bytes(std::span<const std::byte> file)
     const auto is_among = [&](std::span<const std::string_view> words) {
         return std::find(words.begin(), words.end(), word) != words.end();
     };
+    if (starts_with(file, "LASF")) { return MeshFormat::Las; }
+    if (starts_with(file, "# .PCD") || word == "VERSION") { return MeshFormat::Pcd; }
     if (word == "ply") { return MeshFormat::Ply; }
     if (is_binary_stl(file) || word == "solid") { return MeshFormat::Stl; }
     if (is_among(off_words)) { return MeshFormat::Off; }
     if (is_among(obj_words)) { return MeshFormat::Obj; }
-    return {};
+    return format_of_rows(file);
 }
 
 std::string_view name_of(MeshFormat format)

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "core/io/filed.h"
 #include "core/io/writers.h"
 #include "core/io/zip_writer.h"
 
@@ -47,6 +48,16 @@ std::string npy_head(const Array& array)
     return head + dict;
 }
 
+/// The positions with NaN for absent points; empty if there are none such.
+std::vector<Point3> with_absent(const Mesh& mesh)
+{
+    std::vector<Point3> out;
+    for (std::size_t i = 0; !mesh.absent.empty() && i < mesh.positions.size(); ++i) {
+        out.push_back(filed_position(mesh, i));
+    }
+    return out;
+}
+
 /// A name that is one file wherever an archive is unpacked.
 std::string file_name(std::string_view name, std::unordered_set<std::string>& taken)
 {
@@ -75,10 +86,12 @@ std::string write_npz(const LitMesh& lit)
     const Mesh& mesh = lit.mesh;
     const std::size_t vertices = mesh.positions.size();
     const std::vector<std::array<float, 3>> normals = as_floats(lit.normals);
+    const std::vector<Point3> filed = with_absent(mesh);
+    const std::span positions(filed.empty() ? mesh.positions : filed);
     const std::vector<std::uint32_t>& indices = mesh.faces.indices;
 
     std::vector<Array> arrays;
-    arrays.push_back({"positions", "<f8", vertices, 3, bytes_of(std::span(mesh.positions))});
+    arrays.push_back({"positions", "<f8", vertices, 3, bytes_of(positions)});
     if (mesh.faces.offsets.empty()) {
         arrays.push_back({"faces", "<i4", mesh.faces.count(), 3, bytes_of(std::span(indices))});
     } else {

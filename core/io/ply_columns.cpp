@@ -1,11 +1,11 @@
 #include "core/io/ply_columns.h"
 
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstring>
 #include <unordered_set>
 
+#include "core/io/filed.h"
 #include "core/io/srgb_codes.h"
 
 namespace relight::ply {
@@ -23,24 +23,6 @@ Column column(Scalar type, std::vector<std::string> names, Value value)
                     std::memcpy(out, &numbers, sizeof(numbers));
                 }
             }};
-}
-
-/// The 8-bit codes that these colours came from; nothing if they did not.
-std::vector<Rgb8> codes_of(std::span<const Rgbf> colors)
-{
-    const std::vector<float> table = decoded_srgb(255);
-    std::vector<Rgb8> codes;
-    codes.reserve(colors.size());
-    for (const Rgbf& color : colors) {
-        Rgb8 code{};
-        for (std::size_t band = 0; band < 3; ++band) {
-            const auto it = std::lower_bound(table.begin(), table.end(), color[band]);
-            if (it == table.end() || *it != color[band]) { return {}; }
-            code[band] = static_cast<unsigned char>(it - table.begin());
-        }
-        codes.push_back(code);
-    }
-    return codes;
 }
 
 /// Names with nothing but [A-Za-z0-9_], each once.
@@ -96,10 +78,10 @@ std::vector<Column> columns_of(const LitMesh& lit)
     std::vector<Column> columns;
     if (mesh.double_positions) {
         columns.push_back(column(Scalar::F64, {"x", "y", "z"},
-                                 [&mesh](std::size_t i) { return mesh.positions[i]; }));
+                                 [&mesh](std::size_t i) { return filed_position(mesh, i); }));
     } else {
         columns.push_back(column(Scalar::F32, {"x", "y", "z"}, [&mesh](std::size_t i) {
-            return as_floats(mesh.positions[i] - Point3{});
+            return as_floats(filed_position(mesh, i) - Point3{});
         }));
     }
     if (!lit.normals.empty()) {
@@ -110,8 +92,9 @@ std::vector<Column> columns_of(const LitMesh& lit)
                                  [&mesh](std::size_t i) { return as_floats(mesh.normals[i]); }));
     }
     if (!mesh.uvs.empty()) {
-        columns.push_back(
-            column(Scalar::F32, {"s", "t"}, [&mesh](std::size_t i) { return mesh.uvs[i]; }));
+        columns.push_back(column(
+            Scalar::F32, {"s", "t"},
+            [&mesh, filed_uv = FiledUv(mesh)](std::size_t i) { return filed_uv(mesh.uvs[i]); }));
     }
     if (!lit.color.empty() || !mesh.colors.empty()) { columns.push_back(color_column(lit)); }
     Names names;

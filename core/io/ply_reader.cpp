@@ -1,6 +1,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/coordinate.h"
 #include "core/io/ply_checks.h"
 #include "core/io/ply_faces.h"
 #include "core/io/ply_header.h"
@@ -184,6 +185,8 @@ Result<Mesh> read_ply(std::span<const std::byte> file, const ReadLimits& limits,
         const Result<ply::FaceLayout> found = ply::layout_of(*face);
         if (!found) { return refuse(found.error().fault, found.error().detail); }
         layout = *found;
+    } else {
+        sink->allow_absent();
     }
     const Result<Done> counts = ply::check_counts(*header, file.size(), limits);
     if (!counts) { return counts.error(); }
@@ -202,6 +205,7 @@ Result<Mesh> read_ply(std::span<const std::byte> file, const ReadLimits& limits,
                                   ? read(ply::BinarySource<false>(file, *header))
                                   : read(ply::BinarySource<true>(file, *header));
     if (!body) { return body.error(); }
+    if (auto failure = place_absent(mesh)) { return std::move(*failure); }
     sink->finish(mesh, header->encoding);
     return mesh;
 }

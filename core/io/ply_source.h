@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "core/io/coordinate.h"
 #include "core/io/ply_header.h"
 #include "core/io/text_scanner.h"
 
@@ -121,12 +122,12 @@ class TextSource {
     {
     }
 
-    /// NaN for nan and inf; the largest double for what is larger.
+    /// The largest double for what is larger; infinity of either sign is the positive one.
     std::optional<double> next(Scalar type)
     {
         word_ = scanner_.word_on_any_line();
         type_ = type;
-        if (!is_integer(type)) { return real(parse_real(word_)); }
+        if (!is_integer(type)) { return real(word_); }
         const Number<std::int64_t> number = parse_integer(word_);
         const bool fits = number && with_type(type, [&](auto zero) {
                               using Limits = std::numeric_limits<decltype(zero)>;
@@ -183,8 +184,9 @@ class TextSource {
     bool only_blanks_follow() { return scanner_.word_on_any_line().empty(); }
 
   private:
-    static std::optional<double> real(Number<double> number)
+    static std::optional<double> real(std::string_view word)
     {
+        const Number<double> number = parse_real(word);
         switch (number.kind) {
             case NumberKind::Ok:
                 return number.value;
@@ -195,7 +197,8 @@ class TextSource {
             case NumberKind::NonFinite:
                 break;
         }
-        return std::numeric_limits<double>::quiet_NaN();
+        using Limits = std::numeric_limits<double>;
+        return says_nan(word) ? Limits::quiet_NaN() : Limits::infinity();
     }
 
     TextScanner scanner_;

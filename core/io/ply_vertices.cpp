@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/io/coordinate.h"
 #include "core/io/ply_checks.h"
 #include "core/io/readers.h"
 #include "core/io/srgb_codes.h"
@@ -26,12 +27,6 @@ std::optional<std::size_t> full_scale(Scalar type)
     if (type == Scalar::U8) { return 255; }
     if (type == Scalar::U16) { return 65535; }
     return {};
-}
-
-bool has_good_position(const Row& row)
-{
-    return std::abs(row[0]) <= largest_coordinate && std::abs(row[1]) <= largest_coordinate &&
-           std::abs(row[2]) <= largest_coordinate;  // false for NaN, too
 }
 
 VertexSink::Refusal refusal(std::size_t index, std::size_t row, const Row& values)
@@ -148,11 +143,14 @@ std::optional<VertexSink::Refusal> VertexSink::put(Mesh& mesh, std::size_t first
 {
     bool good = true;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        good = good && has_good_position(rows[i]);
         mesh.positions[first + i] = {rows[i][0], rows[i][1], rows[i][2]};
+        good = good && is_placed(mesh.positions[first + i]);
     }
-    for (std::size_t i = 0; !good; ++i) {
-        if (!has_good_position(rows[i])) { return refusal(first + i, i, rows[i]); }
+    for (std::size_t i = 0; !good && i < rows.size(); ++i) {
+        const Point3 p = mesh.positions[first + i];
+        if (is_placed(p)) { continue; }
+        if (!absent_allowed_ || !is_absent(p)) { return refusal(first + i, i, rows[i]); }
+        mesh.absent.push_back(static_cast<std::uint32_t>(first + i));
     }
     for (std::size_t i = 0; normals_ && i < rows.size(); ++i) {
         const Vec3 n{rows[i][normal_slot], rows[i][normal_slot + 1], rows[i][normal_slot + 2]};

@@ -27,6 +27,10 @@ class VertexSink {
 
     const Slots& slots() const { return slots_; }
 
+    /// The file has no faces: a vertex with a NaN coordinate is an absent point (Mesh::absent),
+    /// which place_absent() is then to move.
+    void allow_absent() { absent_allowed_ = true; }
+
     /// Makes room for `count` vertices, which the file must be known to hold.
     void resize(Mesh& mesh, std::size_t count) const;
 
@@ -49,6 +53,7 @@ class VertexSink {
 
     Slots slots_;
     bool normals_ = false, colors_ = false, uvs_ = false;
+    bool absent_allowed_ = false;
     bool float_positions_ = true;     // declared as types that fit into a float
     std::vector<float> color_table_;  // linear value of each integer code; empty: filed as floats
     double uv_scale_ = 1.0;           // 1/255 for uchar

@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 
+#include "core/io/filed.h"
 #include "core/io/ply_columns.h"
 #include "core/io/ply_source.h"
+#include "core/io/text_out.h"
 #include "core/io/writers.h"
 
 namespace relight {
@@ -33,11 +34,7 @@ FaceShape shape_of(const Mesh& mesh)
 /// A comment stays one line, whatever its text holds.
 void append_comment(std::string& out, std::string_view text)
 {
-    out += "comment ";
-    for (const char c : text) {
-        out += static_cast<unsigned char>(c) < ' ' || c == '\x7f' ? ' ' : c;
-    }
-    out += '\n';
+    out += "comment " + one_line(text) + "\n";
 }
 
 std::string header_of(const LitMesh& lit, const std::vector<Column>& columns,
@@ -47,6 +44,9 @@ std::string header_of(const LitMesh& lit, const std::vector<Column>& columns,
     std::string out = "ply\nformat ";
     out += encoding == PlyEncoding::Ascii ? "ascii 1.0\n" : "binary_little_endian 1.0\n";
     for (const std::string& comment : lit.comments) { append_comment(out, comment); }
+    if (!mesh.absent.empty()) {
+        append_comment(out, std::to_string(mesh.absent.size()) + " points are absent: nan");
+    }
     for (std::size_t m = 0; faces.materials && m < mesh.materials.size(); ++m) {
         append_comment(out, "material " + std::to_string(m) + " " + mesh.materials[m]);
     }
@@ -82,21 +82,6 @@ struct BinaryOut {
     void end_record() {}
 };
 
-/// Appends numbers as the fewest digits that read back exactly, a record a line.
-struct AsciiOut {
-    std::string& out;
-
-    template <class T>
-    void number(T value)
-    {
-        char digits[32];
-        char* const end = std::to_chars(digits, digits + sizeof(digits) - 1, value).ptr;
-        *end = ' ';
-        out.append(digits, end + 1);
-    }
-    void end_record() { out.back() = '\n'; }
-};
-
 void append_vertices(std::string& out, std::size_t count, const std::vector<Column>& columns,
                      PlyEncoding encoding)
 {
@@ -120,11 +105,11 @@ void append_vertices(std::string& out, std::size_t count, const std::vector<Colu
             for (const Column& column : columns) {
                 for (std::size_t k = 0; k < column.names.size(); ++k, at += size_of(column.type)) {
                     with_type(column.type, [&](auto zero) {
-                        AsciiOut{out}.number(load<decltype(zero), false>(at));
+                        TextOut{out}.number(load<decltype(zero), false>(at));
                     });
                 }
             }
-            AsciiOut{out}.end_record();
+            TextOut{out}.end_record();
         }
     }
 }
@@ -136,6 +121,7 @@ void append_faces(Out out, const Mesh& mesh, const FaceShape& shape)
         if (shape.count == Scalar::U8) { return out.number(static_cast<std::uint8_t>(n)); }
         out.number(static_cast<std::uint32_t>(n));
     };
+    const FiledUv filed_uv(mesh);
     for (std::size_t f = 0; f < mesh.faces.count(); ++f) {
         const std::size_t begin = mesh.faces.begin(f), end = mesh.faces.end(f);
         length(end - begin);
@@ -143,8 +129,7 @@ void append_faces(Out out, const Mesh& mesh, const FaceShape& shape)
         if (shape.uvs) {
             length(2 * (end - begin));
             for (std::size_t c = begin; c < end; ++c) {
-                out.number(mesh.corner_uvs[c][0]);
-                out.number(mesh.corner_uvs[c][1]);
+                for (const float x : filed_uv(mesh.corner_uvs[c])) { out.number(x); }
             }
         }
         if (shape.materials) { out.number(mesh.face_materials[f]); }
@@ -187,7 +172,7 @@ std::string write_ply(const LitMesh& lit, PlyEncoding encoding)
     ply::append_vertices(out, mesh.positions.size(), columns, encoding);
     const bool plain = mesh.faces.offsets.empty() && !shape.uvs && !shape.materials;
     if (encoding == PlyEncoding::Ascii) {
-        ply::append_faces(ply::AsciiOut{out}, mesh, shape);
+        ply::append_faces(TextOut{out}, mesh, shape);
     } else if (plain) {
         ply::append_triangles(out, mesh.faces.indices);
     } else {

@@ -18,7 +18,10 @@ struct Quantity3 {
     std::span<const float> values;  ///< V * components
 };
 
-/// A lit mesh, ready to be written. Spans live as long as the call.
+/// A lit mesh, ready to be written. Spans live as long as the call. Texture coordinates that came
+/// as glTF are turned over where v grows upward: everywhere but in glTF. Absent points are NaN in
+/// PLY, NPZ and VTP; OBJ and OFF know no such thing and write their placeholder. Where there are
+/// comments, one counts them.
 struct LitMesh {
     const Mesh& mesh;
     std::span<const Dir3>
@@ -42,22 +45,27 @@ std::string write_ply(const LitMesh& lit, PlyEncoding encoding);
 /// `faces`+`face_offsets` for polygons. The same input gives the same bytes.
 std::string write_npz(const LitMesh& lit);
 
-/// Wavefront OBJ: v x y z [r g b] (sRGB / 255, the common extension), vt, vn, faces as filed under
-/// their usemtl. A vertex has one normal and, but for corner_uvs, one vt. Colour alone of what a
-/// LitMesh holds; quantities have no place in it.
+/// Wavefront OBJ: v x y z [r g b], vt, vn, faces as filed under their usemtl. A vertex has one
+/// normal and, but for corner_uvs, one vt; in a cloud, none. Colour alone of what a LitMesh holds:
+/// quantities have no place in it. Asked-for colour is sRGB / 255, the common extension; filed
+/// colours are linear, as read_obj takes them; a comment says which.
 std::string write_obj(const LitMesh& lit);
 
-/// Geomview OFF, ascii: [ST][C][N]OFF with faces as filed, colours as 0..255. Colour alone.
+/// Geomview OFF, ascii: [ST][C][N]OFF with faces as filed, colours as 0..255 and an alpha of 255.
+/// Colours that are no 8-bit codes are linear, with a point. Colour alone.
 std::string write_off(const LitMesh& lit);
 
 /// VTK's XML PolyData, raw appended binary: faces as Polys (vertices of a cloud as Verts), arrays
-/// Normals, TCoords, "color" (uchar) and each quantity by its name.
+/// Normals, TCoords, "color" (uchar; filed colours that are no 8-bit codes: "color_linear", float)
+/// and each quantity by its name, as far as XML takes it. Comments are an array of the field data.
 std::string write_vtp(const LitMesh& lit);
 
 /// glTF 2.0 as GLB, from nothing but the mesh: one node; a primitive a material group (points for a
 /// cloud), unlit white materials, so that viewers show the colours as they are; COLOR_0 is linear
-/// float, quantities are _IRRADIANCE, _PER_LIGHT_KEY … . Positions relative to the node's
-/// translation where float would lose.
+/// float (with an alpha of 0 for absent points), quantities are _IRRADIANCE, _PER_LIGHT_KEY … .
+/// Positions relative to the node's translation where the mesh is so far out that float would lose.
+/// Comments, and what had to be left out, are asset.extras.relight. Empty beyond 4 GiB, the most
+/// that a GLB holds.
 std::string write_glb(const LitMesh& lit);
 
 /// The LAS file that a cloud came as, with its colours replaced by `color` (16 bits: code * 257);
@@ -65,11 +73,12 @@ std::string write_glb(const LitMesh& lit);
 /// Errors: those of read_las.
 Result<std::string> write_las(std::span<const std::byte> file, std::span<const Rgb8> color);
 
-/// Radiance .hdr (RGBE, run-length encoded), linear Rec.709, row 0 on top.
+/// Radiance .hdr (RGBE, run-length encoded), linear Rec.709, row 0 on top. Within 1/256 of each
+/// pixel's largest band, from 2^-128 (below is black) to 255/256 2^127 (brighter is cut).
 std::string write_hdr(int width, int height, std::span<const Rgbf> pixels,
                       std::span<const std::string> comments);
 
-/// Baseline JPEG of 8-bit RGB, quality 1..100.
+/// Baseline JPEG (JFIF) of 8-bit sRGB pixels, quality 1..100, row 0 on top, at most 65500 a side.
 std::string write_jpeg(int width, int height, std::span<const Rgb8> pixels, int quality = 92);
 
 /// PNG of 8-bit RGB (or RGBA if alpha is given) pixels, row 0 on top, tagged sRGB.

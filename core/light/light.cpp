@@ -30,8 +30,8 @@ struct Arrive {
     }
     Arrival operator()(const SpotLight& light) const
     {
-        return arrive_from(light.position, p, [&](Dir3 wi, double /*distance*/) {
-            return cone_falloff(light, dot(-wi, light.axis));
+        return arrive_from(light.position, p, [&](Dir3 wi, double distance) {
+            return cone_falloff(light, dot(-wi, light.axis)) * range_window(distance, light.range);
         });
     }
     Arrival operator()(const DirectionalLight& light) const

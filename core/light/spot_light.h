@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/base/quantity.h"
 #include "core/base/vec.h"
@@ -16,6 +17,7 @@ struct SpotLight {
     Dir3 axis;                                    ///< the way its light travels
     double inner_cone = 0.0;                      ///< half angle [rad], 0 <= inner < outer
     double outer_cone = 0.25 * std::numbers::pi;  ///< half angle [rad], at most pi / 2
+    std::optional<double> range{};                ///< as PointLight's
 };
 
 /// Least difference of the cones' cosines (KHR_lights_punctual): no division by zero where they
@@ -67,7 +69,8 @@ inline Irradiance irradiance(const SpotLight& light, RadiantIntensity I, Point3 
     const double cos_theta = dot(n, wi);
     if (cos_theta <= 0.0) { return {}; }
     return I * solid_angle_per_area(cos_theta, length(to_light)) *
-           cone_falloff(light, dot(-wi, light.axis));
+           (cone_falloff(light, dot(-wi, light.axis)) *
+            range_window(length(to_light), light.range));
 }
 
 }  // namespace relight

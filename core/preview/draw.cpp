@@ -94,19 +94,13 @@ vtkSmartPointer<vtkPolyData> poly_data(Drawing& drawing)
     vtkNew<vtkPolyData> data;
     data->SetPoints(points);
     data->GetPointData()->SetScalars(colors);
+    static_assert(sizeof(vtkIdType) == sizeof(long long));
+    vtkNew<vtkIdTypeArray> corners;
+    corners->SetArray(reinterpret_cast<vtkIdType*>(drawing.corners.data()),
+                      static_cast<vtkIdType>(drawing.corners.size()), 1);
     vtkNew<vtkCellArray> cells;
-    if (drawing.corners.empty()) {
-        cells->InsertNextCell(static_cast<int>(count));
-        for (vtkIdType i = 0; i < count; ++i) { cells->InsertCellPoint(i); }
-        data->SetVerts(cells);
-    } else {
-        static_assert(sizeof(vtkIdType) == sizeof(long long));
-        vtkNew<vtkIdTypeArray> corners;
-        corners->SetArray(reinterpret_cast<vtkIdType*>(drawing.corners.data()),
-                          static_cast<vtkIdType>(drawing.corners.size()), 1);
-        cells->SetData(3, corners);
-        data->SetPolys(cells);
-    }
+    cells->SetData(3, corners);
+    data->SetPolys(cells);
     return data;
 }
 
@@ -184,9 +178,6 @@ vtkSmartPointer<vtkActor> actor_of(Drawing& drawing)
     actor->SetMapper(mapper);
     actor->GetProperty()->LightingOff();
     actor->GetProperty()->BackfaceCullingOff();
-    actor->GetProperty()->SetPointSize(drawing.point_size *
-                                       static_cast<float>(samples_a_side(drawing.options.samples)));
-    actor->GetProperty()->SetRenderPointsAsSpheres(drawing.corners.empty());
     return actor;
 }
 
@@ -240,7 +231,7 @@ Result<Picture> draw(Drawing& drawing, const Progress& progress)
     vtkOutputWindow::SetInstance(messages);
     messages->errors = 0;
 
-    const auto [width, height, samples, background, radius] = drawing.options;
+    const auto [width, height, samples, background] = drawing.options;
     vtkNew<vtkRenderer> renderer;
     renderer->SetBackground(background[0] / 255.0, background[1] / 255.0, background[2] / 255.0);
     renderer->SetBackgroundAlpha(0.0);  // so alpha is the share that the surface covers

@@ -11,11 +11,9 @@ namespace relight {
 /// What OpenGL is given: everything recentred and scaled to about one unit, so that single
 /// precision says where things are whatever their size and place.
 struct Drawing {
-    std::vector<float> positions{};  ///< xyz of each vertex
-    std::vector<Rgb8> colors{};      ///< of each vertex, drawn as they are
-    std::vector<long long>
-        corners{};            ///< three vertices a triangle; empty: the vertices are points
-    float point_size = 1.0F;  ///< diameter of a point [pixels]
+    std::vector<float> positions{};    ///< xyz of each vertex
+    std::vector<Rgb8> colors{};        ///< of each vertex, drawn as they are
+    std::vector<long long> corners{};  ///< three vertices a triangle
     Point3 eye;
     CameraAxes axes;
     double fov_y{};                ///< [rad]

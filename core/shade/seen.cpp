@@ -5,6 +5,7 @@
 
 #include "core/geometry/normal_map.h"
 #include "core/geometry/tangents.h"
+#include "core/shade/splat.h"
 #include "core/transport/textured.h"
 
 namespace relight {
@@ -32,11 +33,9 @@ Frame frame_along(Dir3 n, Vec3 along)
     return {x, normalize(cross(n, x)), n};
 }
 
-Receiver on_point(const Stage& stage, Point3 p, std::uint32_t point)
+Receiver on_point(const Stage& stage, const Splat& splat)
 {
-    const Surface& surface = *stage.surface;
-    return {p, p, shading_frame(surface, point), surface.normals[point],
-            stage.bvh->clearance(static_cast<double>(surface.spacing[point]))};
+    return {splat.p, splat.p, frame_around(splat.n), splat.n, stage.bvh->clearance(splat.spacing)};
 }
 
 /// The interpolated normal as the normal map of the hit's group bends it there, if it has one.
@@ -95,8 +94,9 @@ std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, D
     const Dir3 wo = -direction;
     Seen seen;
     Receiver& at = seen.at;
-    at = hit.is_point ? on_point(stage, origin + Vec3(direction) * hit.distance, hit.primitive)
-                      : on_triangle(stage, scene.transport.terminator, hit);
+    const Splat splat = hit.is_point ? splat_at(stage, origin, direction, hit) : Splat{};
+    at =
+        hit.is_point ? on_point(stage, splat) : on_triangle(stage, scene.transport.terminator, hit);
     if (!at.ng) { return {}; }
     if (dot(at.ng, wo) < 0.0) {  // its back is seen: that side is lit and shown
         at.ng = -at.ng;
@@ -114,7 +114,7 @@ std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, D
     }
     seen.wo = at.frame.to_local(wo);
     seen.material = material_at(stage, scene, hit);
-    seen.color = color_at(stage, hit);
+    seen.color = hit.is_point ? splat.color : color_at(stage, hit);
     return seen;
 }
 

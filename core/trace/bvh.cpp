@@ -2,6 +2,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -77,6 +78,7 @@ struct Bvh::Impl {
         }
         const Impl* bvh;
         std::span<const ShadowRay> rays;
+        std::vector<std::uint32_t> met;  // primitives; filled by collect() alone
     };
 
     Impl() = default;
@@ -251,6 +253,18 @@ struct Bvh::Impl {
             }
         }
     }
+
+    /// A query's own filter, asked after confirm(): notes every hit and strikes it out, so that the
+    /// ray goes on.
+    static void collect(const RTCFilterFunctionNArguments* args)
+    {
+        auto& query = *static_cast<Query*>(args->context);
+        for (unsigned i = 0; i < args->N; ++i) {
+            if (args->valid[i] == 0) { continue; }
+            query.met.push_back(RTCHitN_primID(args->hit, args->N, i));
+            args->valid[i] = 0;
+        }
+    }
 };
 
 Bvh::Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale)
@@ -265,7 +279,9 @@ Bvh::Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale)
     b.scale = half > 0.0 ? std::exp2(-std::ceil(std::log2(half))) : 1.0;
     b.streams = rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_RAY_STREAM_SUPPORTED) != 0;
     b.scene = rtcNewScene(device());
-    rtcSetSceneFlags(b.scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(b.scene, b.is_cloud()
+                                  ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
+                                  : RTC_SCENE_FLAG_ROBUST);  // the former: collect()
     RTCGeometry geometry = b.is_cloud() ? b.discs() : b.triangles();
     rtcSetGeometryIntersectFilterFunction(geometry, Impl::confirm);
     rtcSetGeometryOccludedFilterFunction(geometry, Impl::confirm);
@@ -315,6 +331,29 @@ void Bvh::nearest(std::span<const ShadowRay> rays, std::span<Hit> hits) const
         const std::size_t count = std::min(stream_rays, rays.size() - begin);
         impl_->nearest<stream_rays>(rays.subspan(begin, count), hits.subspan(begin, count));
     }
+}
+
+std::vector<std::uint32_t> Bvh::points_along(const ShadowRay& ray) const
+{
+    const Impl& b = *impl_;
+    if (!b.is_cloud()) { return {}; }
+    // As nearest() does: the ray starts where floats are fine.
+    const double step = std::max(0.0, dot(b.centre - ray.origin, ray.direction) - 2.0 / b.scale);
+    const Point3 start = ray.origin + Vec3(ray.direction) * step;
+    if (!(length(b.to_box(start)) < 8.0) || !(ray.distance > step)) { return {}; }
+    const ShadowRay near{start, ray.direction, std::max(0.0, ray.from - step), ray.distance - step};
+    Impl::Query query(b, {&near, 1});
+    query.filter = Impl::collect;
+    RTCRay r = b.ray(near, 0);
+    rtcOccluded1(b.scene, &query, &r);
+    std::sort(query.met.begin(), query.met.end());
+    for (std::uint32_t& point : query.met) { point = b.disc_point[point]; }  // ascending too
+    return std::move(query.met);
+}
+
+double Bvh::disc_radius(std::size_t point) const
+{
+    return impl_->disc_radius(point);
 }
 
 bool Bvh::open_above(Point3 p, Dir3 n, double margin) const

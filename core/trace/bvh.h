@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/parallel.h"
 #include "core/geometry/mesh.h"
@@ -56,6 +57,12 @@ class Bvh {
 
     /// hits[i] = the nearest thing on rays[i], the same as asked for one by one.
     void nearest(std::span<const ShadowRay> rays, std::span<Hit> hits) const;
+
+    /// The points of a cloud whose discs the ray meets, ascending. Costs about one `nearest`.
+    std::vector<std::uint32_t> points_along(const ShadowRay& ray) const;
+
+    /// Radius of a point's disc, scene units.
+    double disc_radius(std::size_t point) const;
 
     /// Whether nothing that casts shadows rises above the plane through p with normal n by more
     /// than `margin` [scene units]: a receiver there sees its whole hemisphere and needs no rays.

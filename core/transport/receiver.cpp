@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/transport/textured.h"
+
 namespace relight {
 
 Receiver vertex_receiver(const Stage& stage, std::size_t vertex)
@@ -75,19 +77,38 @@ std::uint32_t material_index(const Scene& scene, const Mesh& mesh, std::size_t f
     return scene.material_of_group[mesh.face_materials[face]];
 }
 
+namespace {
+
+/// The scene's material `index`, or what the file's textures make of it at a vertex or hit.
+template <class Place>
+LocalMaterial local_material(const Stage& stage, const Scene& scene, std::uint32_t index,
+                             const Place& at)
+{
+    const Material& everywhere = scene.materials[index];
+    const auto* factors = scene.textured.empty() || !scene.textured[index]
+                              ? nullptr
+                              : std::get_if<MetallicRoughness>(&everywhere);
+    if (factors == nullptr) { return LocalMaterial(everywhere); }
+    const FiledPlace place = filed_place(stage, at);
+    if (!varies(*factors, *stage.mesh, place)) { return LocalMaterial(everywhere); }
+    return LocalMaterial(std::make_shared<const Material>(resolve(*factors, *stage.mesh, place)));
+}
+
+}  // namespace
+
 LocalMaterial material_at(const Stage& stage, const Scene& scene, const Hit& hit)
 {
     const Surface& surface = *stage.surface;
-    if (hit.is_point) { return LocalMaterial(scene.materials.front()); }
+    if (hit.is_point) { return local_material(stage, scene, 0, hit); }
     const std::size_t face =
         surface.triangle_face.empty() ? hit.primitive : surface.triangle_face[hit.primitive];
-    return LocalMaterial(scene.materials[material_index(scene, *stage.mesh, face)]);
+    return local_material(stage, scene, material_index(scene, *stage.mesh, face), hit);
 }
 
-LocalMaterial vertex_material(const Stage& /*stage*/, const Scene& scene,
+LocalMaterial vertex_material(const Stage& stage, const Scene& scene,
                               std::span<const std::uint32_t> materials, std::size_t vertex)
 {
-    return LocalMaterial(scene.materials[materials.empty() ? 0 : materials[vertex]]);
+    return local_material(stage, scene, materials.empty() ? 0 : materials[vertex], vertex);
 }
 
 std::vector<std::uint32_t> vertex_materials(const Stage& stage, const Scene& scene)
@@ -143,16 +164,12 @@ bool E_tells_radiance(const Scene& scene, const Material& material)
 
 Rgb vertex_color(const Stage& stage, std::size_t vertex)
 {
-    const auto& colors = stage.mesh->colors;
-    return colors.empty() ? Rgb::grey(1.0) : to_double(colors[vertex]);
+    return base_color(*stage.mesh, filed_place(stage, vertex));
 }
 
 Rgb color_at(const Stage& stage, const Hit& hit)
 {
-    if (hit.is_point || stage.mesh->colors.empty()) { return vertex_color(stage, hit.primitive); }
-    const Triangle& t = stage.surface->triangles[hit.primitive];
-    return vertex_color(stage, t[0]) * (1.0 - hit.u - hit.v) + vertex_color(stage, t[1]) * hit.u +
-           vertex_color(stage, t[2]) * hit.v;
+    return base_color(*stage.mesh, filed_place(stage, hit));
 }
 
 }  // namespace relight

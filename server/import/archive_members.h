@@ -82,8 +82,8 @@ auto members(Of<PointLight> auto& light)
 
 auto members(Of<SpotLight> auto& light)
 {
-    auto& [position, axis, inner_cone, outer_cone] = light;
-    return std::tie(position, axis, inner_cone, outer_cone);
+    auto& [position, axis, inner_cone, outer_cone, range] = light;
+    return std::tie(position, axis, inner_cone, outer_cone, range);
 }
 
 auto members(Of<DirectionalLight> auto& light)

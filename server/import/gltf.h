@@ -25,7 +25,7 @@ struct GltfLimits {
 /// over and noted, unless it requires it.
 /// Sandboxed only: Draco, meshoptimizer, image decoders and the JSON parser meet a client's bytes
 /// here. Details name the place as a JSON pointer into the file.   Throws std::bad_alloc.
-/// Errors: MalformedHeader, MalformedBody, Truncated, JsonTooDeep, CountExceedsFile,
+/// Errors: EmptyFile, MalformedHeader, MalformedBody, Truncated, JsonTooDeep, CountExceedsFile,
 /// IndexOutOfRange, NonFiniteCoordinate, CoordinateTooLarge, NoGeometry, TooManyVertices,
 /// TooManyFaces, OutOfRange, NotAvailable (an external file, a required extension).
 Result<Asset> decode_gltf(std::span<const std::byte> file, const GltfLimits& limits);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,16 @@ T number_at(std::span<const std::byte> bytes, std::size_t at)
     std::memcpy(&value, bytes.data() + at, sizeof(T));
     return value;
 }
+
+/// A file taken apart.
+struct Container {
+    bool is_glb = false;
+    Json json;
+    std::optional<std::span<const std::byte>> binary;  ///< a GLB's BIN chunk
+};
+
+/// Errors: EmptyFile, Truncated, MalformedHeader, JsonTooDeep.
+Container open_container(std::span<const std::byte> file);
 
 /// What EXT_meshopt_compression says of a view.
 struct PackedShape {

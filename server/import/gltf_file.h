@@ -60,6 +60,8 @@ class Node {
     double number(std::string_view key, double otherwise, double low, double high) const;
     std::uint64_t count(std::string_view key, std::uint64_t otherwise) const;
     std::optional<std::uint64_t> index(std::string_view key) const;
+    /// An array of them; empty if the member is not there.
+    std::vector<std::uint64_t> indices(std::string_view key) const;
     /// `length` finite numbers; nothing if the member is not there.
     std::optional<std::vector<double>> numbers(std::string_view key, std::size_t length) const;
 

@@ -11,7 +11,7 @@
 #include <new>
 #include <utility>
 
-#include "server/import/gltf_look.h"
+#include "server/import/gltf_factors.h"
 
 namespace relight::gltf {
 namespace {
@@ -53,10 +53,10 @@ std::optional<Size> size_of(std::span<const std::byte> bytes)
         return Size{number(16), number(20)};
     }
     int width = 0, height = 0, channels = 0;
-    const bool read = stbi_info_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
-                                            static_cast<int>(bytes.size()), &width, &height,
-                                            &channels) != 0;
-    if (!read || width < 0 || height < 0) { return std::nullopt; }
+    const bool read =
+        stbi_info_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()),
+                              static_cast<int>(bytes.size()), &width, &height, &channels) != 0;
+    if (!read) { return std::nullopt; }
     return Size{static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height)};
 }
 
@@ -71,7 +71,8 @@ Size checked_size(std::span<const std::byte> bytes, std::string_view where,
     if (size->width > most / size->height) {
         refuse(Fault::OutOfRange, where,
                "holds " + std::to_string(size->width) + " x " + std::to_string(size->height) +
-                   " pixels; " + std::to_string(most) + " are allowed: send a smaller picture");
+                   " pixels; " + std::to_string(most) +
+                   " are allowed it beside the file's other textures: send smaller pictures");
     }
     return *size;
 }
@@ -106,14 +107,10 @@ bool is_nearest(const Node& sampler)
 std::array<float, 6> transform_of(const Node& extension)
 {
     using Pair = std::vector<double>;
-    const Pair offset = extension.numbers("offset", 2).value_or(Pair{0.0, 0.0});
-    const Pair scale = extension.numbers("scale", 2).value_or(Pair{1.0, 1.0});
-    const double rotation = extension.number("rotation", 0.0, -largest_factor, largest_factor);
-    for (const double x : {offset[0], offset[1], scale[0], scale[1]}) {
-        if (std::abs(x) > largest_factor) {
-            refuse(Fault::OutOfRange, extension.where(), "offset and scale go up to 1e12");
-        }
-    }
+    constexpr double most = largest_factor;
+    const Pair offset = factors(extension, "offset", 2, -most, most).value_or(Pair{0.0, 0.0});
+    const Pair scale = factors(extension, "scale", 2, -most, most).value_or(Pair{1.0, 1.0});
+    const double rotation = extension.number("rotation", 0.0, -most, most);
     const double c = std::cos(rotation), s = std::sin(rotation);
     const std::array<double, 6> exact{c * scale[0],  s * scale[1], offset[0],
                                       -s * scale[0], c * scale[1], offset[1]};
@@ -136,8 +133,8 @@ Texture decode_picture(std::span<const std::byte> bytes, std::string_view where,
                        std::uint64_t most_pixels, Notes& notes)
 {
     const std::string_view text = as_text(bytes);
-    const bool png = text.starts_with(png_begin);
-    if (!png && !text.starts_with(jpeg_begin)) {
+    const bool is_png = text.starts_with(png_begin);
+    if (!is_png && !text.starts_with(jpeg_begin)) {
         refuse(Fault::NotAvailable, where,
                "must be image/png or image/jpeg, and is " + std::string(other_format(text)));
     }
@@ -145,13 +142,7 @@ Texture decode_picture(std::span<const std::byte> bytes, std::string_view where,
         refuse(Fault::OutOfRange, where, "holds a picture of 2 GiB or more");
     }
     const Size size = checked_size(bytes, where, most_pixels);
-    // stb fills up what a JPEG lacks. Within a scan 0xFF is never followed by a marker's number, so
-    // a picture that is all there ends its last scan (FF DA) with an end (FF D9).
-    if (!png && !(text.rfind("\xFF\xD9") != text.npos &&
-                  text.rfind("\xFF\xD9") > std::min(text.rfind("\xFF\xDA"), text.size()))) {
-        refuse(Fault::Truncated, where, "holds a JPEG that ends before its picture does");
-    }
-    if (png && text[24] == 16) { notes.add("PNG textures of 16 bits are read as 8 bits"); }
+    if (is_png && text[24] == 16) { notes.add("PNG textures of 16 bits are read as 8 bits"); }
 
     int width = 0, height = 0, channels = 0;
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
@@ -160,8 +151,9 @@ Texture decode_picture(std::span<const std::byte> bytes, std::string_view where,
         stbi_image_free);
     if (!pixels) {
         if (std::string_view(stbi_failure_reason()) == "outofmem") { throw std::bad_alloc(); }
-        refuse(Fault::MalformedBody, where,
-               std::string("holds a ") + (png ? "PNG" : "JPEG") + " that is broken or cut short");
+        refuse(
+            Fault::MalformedBody, where,
+            std::string("holds a ") + (is_png ? "PNG" : "JPEG") + " that is broken or cut short");
     }
     if (std::cmp_not_equal(width, size.width) || std::cmp_not_equal(height, size.height)) {
         refuse(Fault::MalformedBody, where, "holds a picture of two sizes");

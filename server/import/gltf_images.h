@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/texture/texture.h"
@@ -26,7 +27,8 @@ class Notes {
 
 /// The picture that these bytes are, PNG or JPEG by their first ones. Its size is checked before it
 /// is decoded: at most `most_pixels`. 16-bit PNG loses its lower bytes (noted).
-/// Errors, at `where`: NotAvailable (another format), MalformedBody, Truncated, OutOfRange.
+/// Errors, at `where`: NotAvailable (another format), MalformedBody, OutOfRange. Throws
+/// std::bad_alloc.
 Texture decode_picture(std::span<const std::byte> bytes, std::string_view where,
                        std::uint64_t most_pixels, Notes& notes);
 

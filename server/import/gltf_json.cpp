@@ -164,6 +164,17 @@ std::optional<std::uint64_t> Node::index(std::string_view key) const
     return integer(found->json(), found->where());
 }
 
+std::vector<std::uint64_t> Node::indices(std::string_view key) const
+{
+    std::vector<std::uint64_t> values(size(key));
+    if (values.empty()) { return values; }
+    const Node array = at(key);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] = integer(array.json()[i], array.where());
+    }
+    return values;
+}
+
 std::optional<std::vector<double>> Node::numbers(std::string_view key, std::size_t length) const
 {
     const auto found = find(key);

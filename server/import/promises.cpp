@@ -107,36 +107,40 @@ bool good_mesh(const Mesh& mesh)
            (!mesh.viewpoint || is_place(*mesh.viewpoint)) && good_pieces(mesh.pieces, V);
 }
 
-// As far as a request's may go (server/material_json.cpp, light_json.cpp).
-constexpr double brightest = 1e12, strongest_specular_color = 1e3, largest_ior = 10.0;
-constexpr double most_power = 1e18;
+/// Where nothing else bounds a number: as a power in a request (server/light_json.cpp).
+constexpr double largest_factor = 1e12;
 
 bool good_material(const MetallicRoughness& m)
 {
     constexpr double turn = 2.0 * std::numbers::pi;
     return in(m.base_color, 0.0, 1.0) && in(m.metallic, 0.0, 1.0) && in(m.roughness, 0.0, 1.0) &&
-           (m.ior == 0.0 || in(m.ior, 1.0, largest_ior)) && in(m.specular, 0.0, 1.0) &&
-           in(m.specular_color, 0.0, strongest_specular_color) && in(m.clearcoat, 0.0, 1.0) &&
+           (m.ior == 0.0 || in(m.ior, 1.0, largest_factor)) && in(m.specular, 0.0, 1.0) &&
+           in(m.specular_color, 0.0, largest_factor) && in(m.clearcoat, 0.0, 1.0) &&
            in(m.clearcoat_roughness, 0.0, 1.0) && in(m.sheen_color, 0.0, 1.0) &&
            in(m.sheen_roughness, 0.0, 1.0) && in(m.anisotropy_strength, 0.0, 1.0) &&
            in(m.anisotropy_rotation, -turn, turn) && in(m.emissive, 0.0, 1.0) &&
-           in(m.emissive_strength, 0.0, brightest);
+           in(m.emissive_strength, 0.0, largest_factor);
 }
 
+bool good_range(std::optional<double> range)
+{
+    return !range || (*range > 0.0 && is_finite(*range));
+}
+
+/// Directions need no look: whoever reads one makes it unit.
 struct GoodShape {
     bool operator()(const PointLight& light) const
     {
-        return is_place(light.position) &&
-               (!light.range || (*light.range > 0.0 && is_finite(*light.range)));
+        return is_place(light.position) && good_range(light.range);
     }
     bool operator()(const SpotLight& light) const
     {
-        return is_place(light.position) && light.axis && light.inner_cone >= 0.0 &&
+        return is_place(light.position) && good_range(light.range) && light.inner_cone >= 0.0 &&
                light.inner_cone < light.outer_cone && light.outer_cone <= 0.5 * std::numbers::pi;
     }
     bool operator()(const DirectionalLight& light) const
     {
-        return light.travel && in(light.half_angle, 0.0, 0.5 * std::numbers::pi);
+        return in(light.half_angle, 0.0, 0.5 * std::numbers::pi);
     }
     template <class Other>
     bool operator()(const Other& /*light*/) const
@@ -147,7 +151,7 @@ struct GoodShape {
 
 bool good_light(const Light& light)
 {
-    return in(light.power, 0.0, most_power) && std::visit(GoodShape{}, light.shape);
+    return in(light.power, 0.0, largest_factor) && std::visit(GoodShape{}, light.shape);
 }
 
 }  // namespace

@@ -80,6 +80,10 @@ BENCHMARK_CAPTURE(copy_mesh, npz, write_npz)->Name("write NPZ beside memcpy")->A
 BENCHMARK_CAPTURE(copy_mesh_afresh, npz, write_npz)
     ->Name("write NPZ beside memcpy to fresh memory")
     ->Apply(sizes);
+BENCHMARK_CAPTURE(write_mesh, obj, write_obj)->Name("write OBJ")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_mesh, obj, write_obj)->Name("write OBJ beside memcpy")->Apply(sizes);
+BENCHMARK_CAPTURE(write_mesh, vtp, write_vtp)->Name("write VTP")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_mesh, vtp, write_vtp)->Name("write VTP beside memcpy")->Apply(sizes);
 
 void write_json_numbers(benchmark::State& state)
 {

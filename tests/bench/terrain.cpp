@@ -73,6 +73,24 @@ std::string obj_of(const Stage& stage)
     return text;
 }
 
+/// 80 bytes of nothing, the number of facets, then 50 bytes each.
+std::string stl_of(const Mesh& mesh)
+{
+    std::string file(80, ' ');
+    const auto put = [&](const auto& value) {
+        file.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    };
+    file.reserve(84 + 50 * mesh.faces.count());
+    put(static_cast<std::uint32_t>(mesh.faces.count()));
+    for (std::size_t corner = 0; corner < mesh.faces.indices.size(); ++corner) {
+        if (corner % 3 == 0) { put(std::array<float, 3>{}); }  // a normal: none
+        const Point3 p = mesh.positions[mesh.faces.indices[corner]];
+        for (const double c : {p.x, p.y, p.z}) { put(static_cast<float>(c)); }
+        if (corner % 3 == 2) { put(std::uint16_t{0}); }
+    }
+    return file;
+}
+
 }  // namespace
 
 Mesh terrain(std::size_t vertices)
@@ -114,10 +132,25 @@ const std::string& terrain_ply(std::size_t vertices)
     });
 }
 
+const std::string& terrain_glb(std::size_t vertices)
+{
+    static std::map<std::size_t, std::string> files;
+    return kept(files, vertices, [&] {
+        const Stage& stage = terrain_stage(vertices);
+        return write_glb({*stage.mesh, stage.surface->normals, {}, {}, {}});
+    });
+}
+
 const std::string& terrain_obj(std::size_t vertices)
 {
     static std::map<std::size_t, std::string> files;
     return kept(files, vertices, [&] { return obj_of(terrain_stage(vertices)); });
+}
+
+const std::string& terrain_stl(std::size_t vertices)
+{
+    static std::map<std::size_t, std::string> files;
+    return kept(files, vertices, [&] { return stl_of(*terrain_stage(vertices).mesh); });
 }
 
 }  // namespace relight::bench

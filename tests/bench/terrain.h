@@ -14,8 +14,11 @@ Mesh terrain(std::size_t vertices);
 /// That terrain, prepared; made once and kept.
 const Stage& terrain_stage(std::size_t vertices);
 
-/// That terrain as files with normals: binary PLY (50 MB for a million vertices), and OBJ.
+/// That terrain as files with normals: binary PLY (50 MB for a million vertices), GLB, and OBJ;
+/// without: binary STL.
 const std::string& terrain_ply(std::size_t vertices);
+const std::string& terrain_glb(std::size_t vertices);
 const std::string& terrain_obj(std::size_t vertices);
+const std::string& terrain_stl(std::size_t vertices);
 
 }  // namespace relight::bench

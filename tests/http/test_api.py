@@ -374,7 +374,7 @@ def test_the_format_is_named_or_seen(server):
     assert upload(server, cube, "?format=off").json()["format"] == "off"
     assert upload(server, (MESHES / "suzanne.obj").read_bytes(), content_type="model/obj").status in (200, 201)
     assert upload(server, b"COFF junk", "?format=ply").problem()[0] == "malformed_header"
-    assert upload(server, cube + b"\n", "?format=glb").problem()[0] == "not_available"
+    assert upload(server, cube + b"\n", "?format=glb").problem()[0] == "malformed_header"
     assert upload(server, cube + b"\n", "?format=zzz").problem()[0] == "unknown_format"
     assert upload(server, b"\x00\x01\x02 nothing we know").problem()[0] == "unknown_format"
     assert upload(server, b"").problem()[0] == "empty_file"

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 
 #include "core/display/display.h"
 #include "tests/io/reader_checks.h"
@@ -338,6 +339,49 @@ TEST(ReadPly, NonFiniteNormalsAreNoneAndCounted)
     ASSERT_TRUE(mesh) << mesh.error().detail;
     EXPECT_EQ(mesh->normals, (std::vector<Vec3>{{0, 0, 0}, {0, 0, 2}}));
     EXPECT_EQ(mesh->notes.size(), 1U);
+}
+
+TEST(ReadPly, NanKeepsThePlaceOfAPointInACloud)
+{
+    for (const char* nan : {"nan", "-NaN", "NAN", "1.#QNAN", "-1.#IND"}) {
+        const auto mesh = read_text(
+            ascii(xyz, {"0 0 " + std::string(nan), "1 2 3", std::string(nan) + " inf 0", "4 5 6"}));
+        ASSERT_TRUE(mesh) << mesh.error().detail;
+        EXPECT_EQ(mesh->absent, (std::vector<std::uint32_t>{0, 2})) << nan;
+        EXPECT_EQ(mesh->positions,
+                  (std::vector<Point3>{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {4, 5, 6}}));
+        EXPECT_TRUE(test::notes_say(*mesh, "2 points have NaN coordinates"));
+    }
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    for (const bool big_endian : {false, true}) {
+        std::string file = "ply\nformat binary_" + std::string(big_endian ? "big" : "little") +
+                           "_endian 1.0\nelement vertex 3\n" + xyz + "end_header\n";
+        for (const float c : {1.F, 2.F, 3.F, 4.F, nan, 6.F, 7.F, 8.F, 9.F}) {
+            file += raw(c, big_endian);
+        }
+        const auto mesh = read_text(file);
+        ASSERT_TRUE(mesh) << mesh.error().detail;
+        EXPECT_EQ(mesh->absent, (std::vector<std::uint32_t>{1}));
+        EXPECT_EQ(mesh->positions, (std::vector<Point3>{{1, 2, 3}, {1, 2, 3}, {7, 8, 9}}));
+        EXPECT_EQ(test::broken_promise(*mesh, file.size()), "");
+    }
+}
+
+TEST(ReadPly, NanIsRefusedAmongFacesAndInfinityAlways)
+{
+    const auto fault = [](const std::string& point, const std::vector<std::string>& faces) {
+        const auto mesh = read_text(ascii(xyz, {"0 0 0", "1 0 0", "0 1 0", point}, faces));
+        return mesh ? "none" : std::string(fault_code(mesh.error().fault));
+    };
+    EXPECT_EQ(fault("nan 0 0", {}), "none");
+    EXPECT_EQ(fault("nan 0 0", {"3 0 1 2"}), "non_finite_coordinate");
+    for (const char* point : {"inf 0 0", "0 -inf 0", "0 0 1.#INF"}) {
+        EXPECT_EQ(fault(point, {}), "non_finite_coordinate") << point;
+    }
+    EXPECT_EQ(fault("0 1e16 0", {}), "coordinate_too_large");
+    const auto none = read_text(ascii(xyz, {"nan nan nan", "0 0 nan"}));
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().fault, Fault::NoGeometry);
 }
 
 TEST(ReadPly, PositionsAreDoubleOnlyWhereFloatWouldLose)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,10 +25,11 @@ inline Result<Mesh> read(Reader reader, std::string_view text, const ReadLimits&
 /// True if two readings hold the same; notes, which say how the file was written, may differ.
 inline bool same(const Mesh& a, const Mesh& b)
 {
-    return a.format == b.format && a.positions == b.positions &&
-           a.double_positions == b.double_positions && a.faces.indices == b.faces.indices &&
-           a.faces.offsets == b.faces.offsets && a.normals == b.normals && a.colors == b.colors &&
-           a.uvs == b.uvs && a.corner_uvs == b.corner_uvs && a.materials == b.materials &&
+    return a.format == b.format && a.positions == b.positions && a.absent == b.absent &&
+           a.viewpoint == b.viewpoint && a.double_positions == b.double_positions &&
+           a.faces.indices == b.faces.indices && a.faces.offsets == b.faces.offsets &&
+           a.normals == b.normals && a.colors == b.colors && a.uvs == b.uvs &&
+           a.corner_uvs == b.corner_uvs && a.materials == b.materials &&
            a.face_materials == b.face_materials;
 }
 
@@ -61,6 +63,16 @@ inline std::string broken_promise(const Mesh& mesh, std::size_t bytes)
     };
     if (vertices == 0) { return "no vertices"; }
     if (!all(mesh.positions, good_position)) { return "a position is not finite or too large"; }
+    if (!faces.indices.empty() && !mesh.absent.empty()) { return "a face among absent points"; }
+    if (mesh.absent.size() >= vertices) { return "no point is present"; }
+    if (std::adjacent_find(mesh.absent.begin(), mesh.absent.end(), std::greater_equal<>()) !=
+            mesh.absent.end() ||
+        (!mesh.absent.empty() && mesh.absent.back() >= vertices)) {
+        return "the absent points do not ascend, or there are too few vertices";
+    }
+    if (mesh.viewpoint && !good_position(*mesh.viewpoint)) {
+        return "the viewpoint is not finite or too large";
+    }
     if (!all(faces.indices, [&](std::uint32_t i) { return i < vertices; })) {
         return "an index is out of range";
     }
@@ -90,9 +102,10 @@ inline std::string broken_promise(const Mesh& mesh, std::size_t bytes)
     if (!all(mesh.materials, is_utf8) || !all(mesh.notes, is_utf8)) { return "text is not UTF-8"; }
     const std::size_t held =
         vertices * sizeof(Point3) + 4 * (faces.indices.size() + faces.offsets.size()) +
-        24 * mesh.normals.size() + 12 * mesh.colors.size() +
+        4 * mesh.absent.size() + 24 * mesh.normals.size() + 12 * mesh.colors.size() +
         8 * (mesh.uvs.size() + mesh.corner_uvs.size()) + 4 * mesh.face_materials.size();
-    if (held > 32 * bytes) { return "the mesh takes more than 32 times its file"; }
+    const std::size_t packed = mesh.format == "pcd" ? 88 : 1;  // LZF: 264 bytes from three
+    if (held > 32 * packed * bytes) { return "the mesh takes more than 32 times its file"; }
     return {};
 }
 

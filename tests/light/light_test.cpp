@@ -89,6 +89,18 @@ TEST(PointLight, GivesNothingAtItsRangeAndBeyond)
     EXPECT_NEAR(E(0.01, 2.0) / E(0.01, {}), 1.0, 1e-9);         // the window opens wide near by
 }
 
+TEST(SpotLight, FadesOutAtItsRangeAsAPointLightDoes)
+{
+    const Dir3 up = normalize({0, 0, 1}), down = normalize({0, 0, -1});
+    for (const double distance : {0.5, 1.0, 1.999, 2.0, 9.0}) {
+        const Point3 at{0, 0, distance};
+        const SpotLight spot{at, down, 0.2, 0.5, 2.0};
+        const double E = irradiance(PointLight{at, 2.0}, unit_intensity, {}, up).value.r;
+        EXPECT_DOUBLE_EQ(irradiance(spot, unit_intensity, {}, up).value.r, E);
+        EXPECT_DOUBLE_EQ(arrive(spot, {}).per_unit, E);
+    }
+}
+
 TEST(SpotLight, IsAPointLightInsideTheInnerConeAndDarkOutsideTheOuter)
 {
     const SpotLight spot{{0, 0, 2}, normalize({0, 0, -1}), 0.3, 0.6};

@@ -39,6 +39,8 @@ Scene scene_of(std::vector<Point3> positions, std::vector<Triangle> triangles,
         }
     }
     scene.surface.spacing.assign(positions.size(), 0.1F);
+    scene.surface.normals.resize(positions.size());
+    scene.surface.bend.resize(positions.size());
     scene.surface.triangles = std::move(triangles);
     scene.mesh.positions = std::move(positions);
     scene.colors = std::move(colors);
@@ -320,6 +322,9 @@ Scene sphere_of_points(std::size_t n)
     Scene scene = scene_of(std::move(positions), {}, std::move(colors));
     const double spacing = std::sqrt(4.0 * std::numbers::pi / static_cast<double>(n));
     scene.surface.spacing.assign(n, static_cast<float>(spacing));
+    for (std::size_t i = 0; i < n; ++i) {
+        scene.surface.normals[i] = normalize(scene.mesh.positions[i] - Point3{});
+    }
     return scene;
 }
 
@@ -360,7 +365,7 @@ TEST(Preview, OnePointAndUpAlongTheViewAreDrawn)
 {
     Scene scene = scene_of({{5, 5, 5}}, {}, {orange});
     scene.camera = {{5, 9, 5}, {5, 5, 5}, {0, 1, 0}, 0.7};
-    const Picture picture = drawn(scene, {.width = 64, .height = 64, .point_radius = 4.0});
+    const Picture picture = drawn(scene, {.width = 64, .height = 64});
     EXPECT_EQ(pixel(picture, 32, 32), orange);
     EXPECT_EQ(pixel(picture, 32, 40), (Rgb8{0, 0, 0}));
 }

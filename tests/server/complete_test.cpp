@@ -270,7 +270,7 @@ TEST(Complete, AFilesOwnMaterialsStandWhereTheRequestHasNone)
     EXPECT_EQ(roughness(*but_one, 1), -1.0);
     EXPECT_FALSE(textured(*but_one, 1));
     EXPECT_DOUBLE_EQ(roughness(*but_one, 2), 0.3);
-    const auto none = completed(R"("material":{"model":"lambert","albedo":0.5})", with_looks());
+    const auto none = completed(R"("material":{"model":"lambert","albedo":[0.5,0.5,0.5]})", with_looks());
     ASSERT_TRUE(none);
     EXPECT_EQ(none->materials.size(), 1U);
     EXPECT_TRUE(none->material_of_group.empty());

@@ -1,15 +1,14 @@
 // The importer taken over by its file: shell scripts in its place, that do what they should not.
 #include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <thread>
 
 #include "server/import_process.h"
+#include "tests/server/rogue.h"
 
 namespace relight::test {
 namespace {
@@ -17,29 +16,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-/// A script in place of the importer, gone with this object.
-class Rogue {
-  public:
-    explicit Rogue(const std::string& script)
-    {
-        std::string name = (std::filesystem::temp_directory_path() / "rogue-XXXXXX").string();
-        const int fd = ::mkstemp(name.data());
-        ::fchmod(fd, 0700);
-        ::close(fd);
-        path_ = name;
-        std::ofstream(path_) << "#!/bin/sh\nPATH=/usr/bin:/bin\n" << script << '\n';
-    }
-    ~Rogue() { std::filesystem::remove(path_); }
-    Rogue(const Rogue&) = delete;
-    Rogue& operator=(const Rogue&) = delete;
-    std::string path() const { return path_.string(); }
+/// Prints a header: its length of content, width and height as printf has them; no negatives.
+std::string announcing(std::string_view bytes, std::string_view size)
+{
+    std::string script = "printf 'RELIGHT2";
+    return script.append(bytes).append(size).append(R"(\0\0\0\0\0\0\0\0')");
+}
 
-  private:
-    std::filesystem::path path_;
-};
-
-// "RELIGHT1", 2 x 1 texels, `negatives` 0; then 24 bytes of texels, all of them 0.
-const std::string header = R"(printf 'RELIGHT1\002\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0')";
+const std::string bytes_24 = R"(\030\0\0\0\0\0\0\0)", size_2_by_1 = R"(\002\0\0\0\001\0\0\0)";
+const std::string header = announcing(bytes_24, size_2_by_1);
 const std::string texels = "head -c 24 /dev/zero";
 const std::string swallow = "cat >/dev/null";
 
@@ -109,8 +94,14 @@ TEST(ImportRogue, NonsenseIsNotBelieved)
     for (const char* size :
          {R"(\0\0\0\0\001\0\0\0)", R"(\001\0\0\0\0\0\0\0)", R"(\377\377\377\377\377\377\377\377)",
           R"(\001\0\0\002\001\0\0\0)"}) {  // 2^25 + 1 texels
-        expect_failed(std::string("printf 'RELIGHT1") + size + R"(\0\0\0\0\0\0\0\0'; )" + texels);
+        expect_failed(announcing(bytes_24, size).append("; ").append(texels));
     }
+    for (const char* bytes :  // not those of 2 x 1 texels
+         {R"(\027\0\0\0\0\0\0\0)", R"(\031\0\0\0\0\0\0\0)", R"(\030\0\0\0\0\0\0\200)",
+          R"(\0\0\0\0\0\0\0\0)"}) {
+        expect_failed(announcing(bytes, size_2_by_1).append("; ").append(texels));
+    }
+    expect_failed(announcing(R"(\014\0\0\030\0\0\0\0)", R"(\001\0\0\002\001\0\0\0)"));  // 2^25 + 1
     const Outcome text = import_by(R"(printf 'truncated \033[31m\303\251\n'; exit 2)");
     ASSERT_FALSE(text.result);
     EXPECT_EQ(text.result.error().detail, "?[31m??");
@@ -132,10 +123,10 @@ TEST(ImportRogue, ItMaySpeakBeforeItHasHeardAll)
     ASSERT_FALSE(echo.result);
     EXPECT_EQ(echo.result.error().fault, Fault::MalformedHeader);
     // More than both directions' buffers hold at once.
-    const Outcome slow = import_by(
-        R"(printf 'RELIGHT1\0\010\0\0\0\004\0\0\0\0\0\0\0\0\0\0'; head -c 25165824 /dev/zero; )" +
-            swallow,
-        50'000'000);
+    const Outcome slow = import_by(announcing(R"(\0\0\200\001\0\0\0\0)", R"(\0\010\0\0\0\004\0\0)")
+                                       .append("; head -c 25165824 /dev/zero; ")
+                                       .append(swallow),
+                                   50'000'000);
     ASSERT_TRUE(slow.result) << slow.result.error().detail;
     EXPECT_EQ(slow.result->image.pixels.size(), 2048U * 1024U);
 }

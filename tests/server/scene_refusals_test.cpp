@@ -163,7 +163,7 @@ const Refusal the_rest[] = {
     {with(R"("points":{"normals":"file","viewpoint":[0,0,0]})"), 422, Fault::ConflictingFields,
      "/points/viewpoint", "leave one out"},
     {with(R"("points":{"viewpoint":[0,0]})"), 422, Fault::WrongLength, "/points/viewpoint", "3"},
-    {with(R"("refine":{})"), 422, Fault::MissingField, "/refine", "max_edge"},
+    {with(R"("refine":{})"), 422, Fault::MissingField, "/refine/max_edge", "max_edge"},
     {with(R"("refine":{"max_edge":0})"), 422, Fault::OutOfRange, "/refine/max_edge", "0"},
     {with(R"("refine":{"max_edge":1,"steps":2})"), 422, Fault::UnknownField, "/refine/steps",
      "max_edge"},

@@ -13,7 +13,15 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Union
 from relight._http import Connection, Reply, Source, body_of, multipart
 
 _ID = re.compile(r"[0-9a-f]{64}")
-_MEDIA_TYPES = {"ply": "model/ply", "obj": "model/obj", "stl": "model/stl", "off": "model/off"}
+_MEDIA_TYPES = {
+    "ply": "model/ply",
+    "obj": "model/obj",
+    "stl": "model/stl",
+    "off": "model/off",
+    "glb": "model/gltf-binary",
+    "gltf": "model/gltf+json",
+    "las": "application/vnd.las",
+}
 
 
 class RelightError(Exception):
@@ -48,6 +56,8 @@ class Mesh:
     faces: int
     bounds: Dict[str, List[float]]
     has: Dict[str, bool]
+    materials: List[str]  # names of the groups of faces
+    lights: List[str]  # names of those that the file brings
     intake: Dict[str, Any]  # what loading found and did
 
     @classmethod
@@ -184,7 +194,7 @@ class Client:
         """Lights a stored mesh (a `Mesh`, or its id) or a file (path or bytes), which is then sent
         along and not stored. `output` is the API's object, or just the format's name. `fields` are the
         other members of the request as the API has them: view, camera, transport, display, points,
-        materials."""
+        refine, materials."""
         return Answer(self._ask("/v1/relight", mesh, lights, material, output, fields))
 
     def explain(
