@@ -7,6 +7,7 @@
 #include "core/io/writers.h"
 #include "server/gltf_answer.h"
 #include "server/json_text.h"
+#include "server/json_tree.h"
 
 namespace relight {
 namespace {
@@ -171,6 +172,15 @@ std::string json_answer(const Lit& lit, const Display& display, const Quantities
     return json.raw("warnings", text_array(lit.warnings)).done();
 }
 
+Result<std::string> new_glb(const LitMesh& out)
+{
+    std::string glb = write_glb(out);
+    if (!glb.empty()) { return glb; }
+    return make_error(Fault::NotAvailable,
+                      "the answer is larger than 4 GiB, and a GLB cannot be; take ply, vtp or npz",
+                      "/output/format");
+}
+
 /// `out` in its format.
 Result<std::string> written(const LitMesh& out, std::span<const std::byte> source, Format format)
 {
@@ -188,7 +198,7 @@ Result<std::string> written(const LitMesh& out, std::span<const std::byte> sourc
         case Format::Las:
             return write_las(source, out.color);
         case Format::Glb:
-            return source.empty() ? Result<std::string>(write_glb(out)) : add_to_gltf(source, out);
+            return source.empty() ? new_glb(out) : add_to_gltf(source, out);
         default:
             return write_ply(out, PlyEncoding::BinaryLittleEndian);
     }

@@ -35,7 +35,7 @@ bool in(Rgb value, double low, double high)
 bool is_place(Point3 p)
 {
     constexpr double most = largest_coordinate;
-    return (std::abs(p.x) <= most) & (std::abs(p.y) <= most) & (std::abs(p.z) <= most);
+    return std::abs(p.x) <= most && std::abs(p.y) <= most && std::abs(p.z) <= most;
 }
 
 bool good_faces(const Faces& faces, std::size_t vertices)

@@ -270,7 +270,8 @@ TEST(Complete, AFilesOwnMaterialsStandWhereTheRequestHasNone)
     EXPECT_EQ(roughness(*but_one, 1), -1.0);
     EXPECT_FALSE(textured(*but_one, 1));
     EXPECT_DOUBLE_EQ(roughness(*but_one, 2), 0.3);
-    const auto none = completed(R"("material":{"model":"lambert","albedo":[0.5,0.5,0.5]})", with_looks());
+    const auto none =
+        completed(R"("material":{"model":"lambert","albedo":[0.5,0.5,0.5]})", with_looks());
     ASSERT_TRUE(none);
     EXPECT_EQ(none->materials.size(), 1U);
     EXPECT_TRUE(none->material_of_group.empty());
@@ -300,7 +301,8 @@ TEST(Complete, AFilesOwnLightsShineWhereTheRequestHasNoneOrAsksForThem)
     const auto beside = completed(
         R"("lights":[{"type":"from_mesh","color":[2,2,2],"cast_shadows":false},
                      {"type":"point","name":"sun","position":[0,0,1],"intensity_cd":1}],
-           "materials":{"1":)" + glowing + "}",
+           "materials":{"1":)" +
+            glowing + "}",
         with_looks());
     ASSERT_TRUE(beside) << beside.error().detail;
     std::vector<std::string> names;
