@@ -156,7 +156,6 @@ std::string describe(const std::string& id, std::uint64_t bytes, const Asset& as
                         .flag("colors", !mesh.colors.empty())
                         .flag("uvs", !mesh.uvs.empty() || !mesh.corner_uvs.empty())
                         .flag("materials", !mesh.materials.empty())
-                        .flag("textures", !mesh.textures.empty())
                         .flag("lights", !asset.lights.empty())
                         .done())
         .raw("materials", text_array(mesh.materials))

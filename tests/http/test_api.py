@@ -232,7 +232,7 @@ def test_a_shell_wound_inward_is_reported_and_lit_when_asked_for_on_both_sides(s
     for two_sided in (False, True):
         request = ask(["radiance"], lamp, mesh, transport={"two_sided": two_sided})
         reply = relight(server, request)
-        assert ("relight-warnings" in reply.headers) is not two_sided
+        assert ("wind inward" in reply.headers.get("relight-warnings", "")) is not two_sided
         lit[two_sided] = sum(L[0] > 0 for L in reply.json()["radiance"])
     assert lit[False] < 0.01 * lit[True]
     picture = ask(["color"], lamp, mesh)
@@ -316,8 +316,10 @@ def test_a_cloud_with_normals_is_lit_as_discs(server):
     sun = {"type": "directional", "direction": [1, 0, -1], "irradiance_w_m2": math.sqrt(2)}
     got = answer(server, ["irradiance"], [sun], mesh=cloud)
     close(got["irradiance"], [[1, 1, 1]] * len(flat))
-    bare = relight(server, ask(["irradiance"], [sun], mesh={"positions": flat}))
-    assert bare.problem() == ("normals_required", "/mesh")
+    bare = ask(["irradiance"], [sun], mesh={"positions": flat})
+    close(relight(server, bare).json()["irradiance"], [[1, 1, 1]] * len(flat))  # estimated, upward
+    filed = relight(server, {**bare, "points": {"normals": "file"}})
+    assert filed.problem() == ("normals_required", "/points/normals")
 
 
 # --- the store -----------------------------------------------------------------------------------

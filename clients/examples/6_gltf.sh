@@ -1,0 +1,1 @@
+curl -sS --fail-with-body -F mesh=@tests/data/gltf/geometry-camera-light.glb -F 'request={"output": {"format": "glb", "quantities": ["color", "irradiance"]}};type=application/json' http://127.0.0.1:8080/v1/relight --create-dirs -o build/examples/lit.glb
