@@ -47,8 +47,10 @@ Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Wo
     stage.mesh = std::shared_ptr<const Mesh>(model.asset, &filed);
     return timed(timings.bvh, [&]() -> Result<Model> {
         if (request.max_edge) {
-            auto refined = refine(filed, *request.max_edge, workshop.read.vertices,
-                                  workshop.read.faces, progress);
+            constexpr std::uint64_t face_bytes = 128;  // with its tree and its share of vertices
+            auto refined =
+                refine(filed, *request.max_edge, workshop.read.vertices,
+                       std::min(workshop.read.faces, workshop.memory / face_bytes), progress);
             if (!refined) { return std::move(refined).error().at("/refine/max_edge"); }
             stage.mesh = std::make_shared<const Mesh>(std::move(*refined));
         }

@@ -218,6 +218,26 @@ void halve(Mesh& mesh, const std::vector<LongEdge>& edges)
     }
 }
 
+/// Triangles that it takes at least: an edge of length L is that of L / max_edge of them, and none
+/// has more area than the equilateral one. Cut at the largest number there is.
+std::uint64_t least_faces(const Mesh& mesh, double max_edge)
+{
+    const double largest_area = 0.25 * std::sqrt(3.0) * max_edge * max_edge;
+    double least = 0.0;
+    for (std::size_t c = 0; c + 2 < mesh.faces.indices.size(); c += 3) {
+        const auto corner = [&](std::size_t k) {
+            return mesh.positions[mesh.faces.indices[c + k]];
+        };
+        const double area = 0.5 * length(cross(corner(1) - corner(0), corner(2) - corner(0)));
+        const double longest =
+            std::max({edge_length(mesh, c), edge_length(mesh, c + 1), edge_length(mesh, c + 2)});
+        constexpr double rounding = 1.0 - 1e-9;
+        least += std::max({1.0, rounding * (area / largest_area), rounding * (longest / max_edge)});
+    }
+    constexpr double most = 1e18;
+    return static_cast<std::uint64_t>(least < most ? least : most);
+}
+
 /// A round shortens the longest edge L to max(h, sqrt(3)/2 L), h the longest that may stay. Halves
 /// are L/2. A triangle with one edge halved gets the median to it, at most the mean of the two
 /// other edges, which are h or less. One with two gets half its third edge c <= h, and the shorter
@@ -266,6 +286,10 @@ Result<Mesh> refine(const Mesh& mesh, double max_edge, std::uint64_t most_vertic
     }
     if (!(longest > max_edge)) { return mesh; }
     out.pieces.clear();  // new vertices belong to none
+    if (auto error = too_many(Fault::TooManyFaces, least_faces(out, max_edge), "faces", most_faces,
+                              max_edge)) {
+        return std::move(*error);
+    }
 
     int rounds = 0;
     for (const int most = most_rounds(longest, max_edge); rounds < most; ++rounds) {

@@ -395,6 +395,10 @@ TEST(Refine, MoreVerticesOrFacesThanAllowedIsAnErrorThatSaysWhatToDo)
     ASSERT_FALSE(faces);
     EXPECT_EQ(faces.error().fault, Fault::TooManyFaces);
 
+    const auto at_once = refine(mesh, 1e-9, plenty, plenty, progress);  // before the first round
+    ASSERT_FALSE(at_once);
+    EXPECT_EQ(at_once.error().fault, Fault::TooManyFaces);
+
     const Mesh fine = refined(mesh, 0.3);  // exactly as many as it takes are enough
     EXPECT_TRUE(refine(mesh, 0.3, fine.positions.size(), fine.faces.count(), progress));
     EXPECT_FALSE(refine(mesh, 0.3, fine.positions.size() - 1, fine.faces.count(), progress));
