@@ -65,7 +65,10 @@ void Triple::add(Vec3 row, std::uint64_t line)
 
 std::optional<Error> Triple::give_to(Mesh& mesh)
 {
-    if (kind == TripleKind::Normal) { mesh.normals = std::move(rows_); }
+    if (kind == TripleKind::Normal) {
+        mesh.normals = std::move(rows_);
+        return {};
+    }
     if (kind != TripleKind::Color) { return {}; }
     if (!is_linear() && !is_codes()) {
         Error error =
