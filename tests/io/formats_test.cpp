@@ -76,10 +76,9 @@ TEST(MeshFormat, BinaryStlIsKnownByItsLengthEvenIfItSaysSolid)
 
 TEST(MeshFormat, RowsOfNumbersAreKnownByTheirFirstLines)
 {
-    for (const char* text : {"1 2 3", "# by hand\n\n// of mine\n-1.5,2e3,.3,9\n", "1;2;3;4;5;6\n",
-                             "x y z\n1 2 3\n", "\"X\",\"Y\",\"Z\",\"Time\"\n1,2,3,4\n",
-                             "\xEF\xBB\xBF"
-                             "1 2 3\n"}) {
+    for (const char* text :
+         {"1 2 3", "# by hand\n\n// of mine\n-1.5,2e3,.3,9\n", "1;2;3;4;5;6\n", "x y z\n1 2 3\n",
+          "\"X\",\"Y\",\"Z\",\"Time\"\n1,2,3,4\n", "\xEF\xBB\xBF 1 2 3\n"}) {
         EXPECT_EQ(of_bytes(text), MeshFormat::Xyz) << text;
     }
     for (const char* text : {"2\n1 2 3\n1 2 3\n", "\n 1\r\n1 2 3 4 5 6 7\r\n", "2\n1 2 3 # cut"}) {

@@ -145,7 +145,10 @@ Asset large_asset()
     Asset asset = full_asset();
     Mesh& m = asset.mesh;
     m.notes.assign(5000, "so it goes");
-    for (double x = 0.0; x < 30'000.0; x += 1.0) { m.positions.push_back({x, -x, 1.0}); }
+    for (int i = 0; i < 30'000; ++i) {
+        const double x = i;
+        m.positions.push_back({x, -x, 1.0});
+    }
     m.normals.clear();
     m.tangents.clear();
     m.colors.clear();
