@@ -218,7 +218,8 @@ void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage
 {
     const std::vector<std::uint32_t> sharp =
         sharp_vertices(*stage.mesh, *stage.surface, irradiance);
-    // On a mesh that is fine enough the edges of shadows cross few triangles: 1.3 % of 3,000 vertices.
+    // On a mesh that is fine enough the edges of shadows cross few triangles: 1.3 % of 3,000
+    // vertices.
     constexpr std::size_t usual = 50;  // one in so many
     if (sharp.empty() || sharp.size() < irradiance.size() / usual) { return; }
     constexpr std::size_t named = 8;

@@ -22,8 +22,8 @@ enum class Receivers { Vertices, Pixels };
 std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std::size_t clamped,
                                      Receivers receivers);
 
-/// Adds that the light of many vertices differs sharply from their neighbours' (core/shade/sharp.h),
-/// and which.
+/// Adds that the light of many vertices differs sharply from their neighbours'
+/// (core/shade/sharp.h), and which.
 void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage,
                           std::span<const Rgbf> irradiance);
 

@@ -226,8 +226,8 @@ void follow(const Source& source, std::vector<Path> paths, unsigned bounces, Ray
             const Hit& hit = hits[i];
             if (hit.primitive == ~0U) { continue; }
             Path path = paths[i];
-            const Rgb rho = diffuse_albedo(*material_at(stage, source.scene, hit),
-                                           color_at(stage, hit));
+            const Rgb rho =
+                diffuse_albedo(*material_at(stage, source.scene, hit), color_at(stage, hit));
             path.weight = path.weight * rho;
             path.at = hit_receiver(stage, rays[i].origin, rays[i].direction, hit);
             if (is_black(path.weight) || !path.at.ng) { continue; }

@@ -72,10 +72,11 @@ inline Asset full_asset()
                         .emissive_strength = 1000.0},
                        {}};
     const Dir3 down = normalize({0, -2, 0}), aslant = normalize({1, 2, 3});
-    asset.lights = {{"bulb", PointLight{{1, 2, 3}, 4.5}, {5, 6, 7}, true, false},
-                    {"lamp", PointLight{{4, 5, 6}, {}}, {8, 9, 10}, false, true},
-                    {"spot", SpotLight{{7, 8, 9}, aslant, 0.25, 0.5, 7.5}, {11, 12, 13}, true, true},
-                    {"sun", DirectionalLight{down, 0.004}, {14, 15, 16}, false, false}};
+    asset.lights = {
+        {"bulb", PointLight{{1, 2, 3}, 4.5}, {5, 6, 7}, true, false},
+        {"lamp", PointLight{{4, 5, 6}, {}}, {8, 9, 10}, false, true},
+        {"spot", SpotLight{{7, 8, 9}, aslant, 0.25, 0.5, 7.5}, {11, 12, 13}, true, true},
+        {"sun", DirectionalLight{down, 0.004}, {14, 15, 16}, false, false}};
     return asset;
 }
 
