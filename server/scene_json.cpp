@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/geometry/precision.h"
 #include "core/io/readers.h"
 #include "server/fields.h"
 #include "server/file_source.h"

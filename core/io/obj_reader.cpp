@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/precision.h"
 #include "core/io/obj_corners.h"
 #include "core/io/obj_words.h"
 #include "core/io/readers.h"

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/display/display.h"
+#include "core/geometry/precision.h"
 #include "core/io/coordinate.h"
 #include "core/io/readers.h"
 #include "core/io/text_scanner.h"

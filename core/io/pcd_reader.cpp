@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/precision.h"
 #include "core/io/lzf.h"
 #include "core/io/pcd_points.h"
 #include "core/io/readers.h"

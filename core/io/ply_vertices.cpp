@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/precision.h"
 #include "core/io/coordinate.h"
 #include "core/io/ply_checks.h"
 #include "core/io/readers.h"

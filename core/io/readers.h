@@ -69,10 +69,4 @@ Result<Mesh> read_las(std::span<const std::byte> file, const ReadLimits& limits,
 Result<Mesh> read_mesh(MeshFormat format, std::span<const std::byte> file, const ReadLimits& limits,
                        Progress& progress);
 
-/// True if float would lose what a text file says: some coordinate moves by more than 1e-7 of the
-/// bounds' diagonal. (Binary and declared doubles keep double if any coordinate is not exactly a
-/// float.)
-bool float_loses_text(std::span<const Point3> positions);
-bool float_loses(std::span<const Point3> positions);
-
 }  // namespace relight

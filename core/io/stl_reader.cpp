@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/precision.h"
 #include "core/io/coordinate.h"
 #include "core/io/readers.h"
 #include "core/io/text_scanner.h"

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/precision.h"
 #include "core/io/coordinate.h"
 #include "core/io/point_columns.h"
 #include "core/io/readers.h"

@@ -1,10 +1,10 @@
 #include "server/import/gltf.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 #include <utility>
 
+#include "core/geometry/precision.h"
 #include "server/import/gltf_accessor.h"
 #include "server/import/gltf_file.h"
 #include "server/import/gltf_look.h"
@@ -150,22 +150,6 @@ std::uint32_t set_materials(Look& look, const Plan& plan, Asset& asset)
     return static_cast<std::uint32_t>(mesh.materials.size() - 1);
 }
 
-/// True if single precision moves some coordinate by more than 1e-7 of the bounds' diagonal: a
-/// small model far from the origin. Rounding that a file in floats has anyway does not count.
-bool float_loses(const std::vector<Point3>& positions)
-{
-    Point3 low = positions.front(), high = low;
-    double moved = 0.0;
-    for (const Point3& p : positions) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-        for (const double c : {p.x, p.y, p.z}) {
-            moved = std::max(moved, std::abs(static_cast<double>(static_cast<float>(c)) - c));
-        }
-    }
-    return moved > 1e-7 * length(high - low);
-}
-
 std::vector<Light> read_lights(const File& file, const SceneGraph& scene)
 {
     std::vector<Light> lights;
@@ -237,7 +221,7 @@ Asset read_asset(std::span<const std::byte> bytes, const GltfLimits& limits)
     const std::uint32_t default_material = set_materials(look, plan, asset);
     allocate(plan, mesh);
     fill(file, plan, scene, default_material, mesh);
-    mesh.double_positions = float_loses(mesh.positions);
+    mesh.double_positions = float_loses_text(mesh.positions);
     mesh.pieces.reserve(plan.pieces.size());
     for (const Plan::Piece& piece : plan.pieces) {
         mesh.pieces.push_back({piece.node, piece.primitive, piece.instance,

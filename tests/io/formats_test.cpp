@@ -3,6 +3,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/geometry/precision.h"
 #include "tests/io/reader_checks.h"
 
 namespace relight {
