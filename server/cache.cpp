@@ -1,5 +1,9 @@
 #include "server/cache.h"
 
+#include <chrono>
+
+#include "server/timed.h"
+
 namespace relight {
 namespace {
 
@@ -19,8 +23,6 @@ std::uint64_t bytes_of(const Mesh& mesh)
            bytes_of(mesh.tangents) + bytes_of(mesh.face_materials) + textures;
 }
 
-}  // namespace
-
 std::uint64_t bytes_of(const Model& model)
 {
     const Surface& surface = *model.stage.surface;
@@ -30,7 +32,7 @@ std::uint64_t bytes_of(const Model& model)
            bytes_of(surface.triangles) + bytes_of(surface.triangle_face) +
            bytes_of(surface.normals) + bytes_of(surface.smooth_normals) +
            bytes_of(surface.spacing) + bytes_of(surface.bend) + bytes_of(surface.vertex_groups) +
-           bytes_of(surface.tangents) + model.stage.bvh->bytes();
+           bytes_of(surface.tangents) + bytes_of(surface.order) + model.stage.bvh->bytes();
 }
 
 std::uint64_t bytes_of(const SharedMap& map)
@@ -38,80 +40,122 @@ std::uint64_t bytes_of(const SharedMap& map)
     return map->bytes();
 }
 
-template <class Value>
-std::shared_ptr<typename Cache<Value>::Slot> Cache<Value>::slot_of(const std::string& key)
+std::uint64_t bytes_of(const SharedColumn& column)
 {
-    const std::lock_guard lock(mutex_);
-    auto& slot = slots_[key];
-    if (!slot) {
-        slot = std::make_shared<Slot>();
-        slot->place = recent_.insert(recent_.begin(), key);
-    } else {
-        recent_.splice(recent_.begin(), recent_, slot->place);
+    return bytes_of(column->E) + bytes_of(column->visible.share) + bytes_of(column->visible.bits) +
+           bytes_of(column->E_bounced) + bytes_of(column->standard_error) + bytes_of(column->Lo) +
+           bytes_of(column->ambient_occlusion) + bytes_of(column->sh);
+}
+
+}  // namespace
+
+std::uint64_t bytes_of(const Kept& kept)
+{
+    return std::visit([](const auto& value) { return bytes_of(value); }, kept);
+}
+
+Result<Kept> Cache::find_or_build(const std::string& key, Progress& progress,
+                                  const std::function<Result<Kept>()>& build)
+{
+    constexpr std::chrono::milliseconds glance{5};  // between looks at progress
+    std::unique_lock lock(mutex_);
+    std::shared_ptr<Slot> slot;
+    while (true) {
+        auto& place = slots_[key];
+        if (!place) { place = std::make_shared<Slot>(); }
+        slot = place;
+        if (!slot->building) { break; }
+        if (progress.stopped()) { return cancelled(); }
+        built_.wait_for(lock, glance);
     }
-    return slot;
-}
-
-template <class Value>
-void Cache<Value>::erase(typename Slots::iterator at)
-{
-    bytes_ -= at->second->bytes;
-    recent_.erase(at->second->place);
-    slots_.erase(at);
-}
-
-/// Accounts for what has been built (or not), and lets the least recently used go.
-template <class Value>
-void Cache<Value>::settle(const std::string& key, const std::shared_ptr<Slot>& slot)
-{
-    const std::lock_guard lock(mutex_);
-    const auto own = slots_.find(key);
-    if (own == slots_.end() || own->second != slot) { return; }  // forgotten meanwhile
-    if (!slot->value) {
-        erase(own);
-        return;
+    if (slot->value) {
+        Kept found = *slot->value;
+        keep(key, *slot);
+        return found;
     }
-    slot->bytes = bytes_of(*slot->value);
-    bytes_ += slot->bytes;
-    while (bytes_ > most_ && !recent_.empty()) { erase(slots_.find(recent_.back())); }
-}
-
-template <class Value>
-Result<Value> Cache<Value>::get(const std::string& key, const std::function<Result<Value>()>& build)
-{
-    const auto slot = slot_of(key);
-    const std::lock_guard building(slot->building);
-    if (slot->value) { return *slot->value; }
+    slot->building = true;
+    lock.unlock();
     struct Settle {  // also when `build` throws
         Cache& cache;
+        std::unique_lock<std::mutex>& lock;
         const std::string& key;
-        const std::shared_ptr<Slot>& slot;
-        ~Settle() { cache.settle(key, slot); }
+        Slot& slot;
+        ~Settle()
+        {
+            if (!lock.owns_lock()) { lock.lock(); }
+            slot.building = false;
+            cache.keep(key, slot);
+            cache.built_.notify_all();
+        }
     };
-    const Settle settle{*this, key, slot};
+    const Settle settle{*this, lock, key, *slot};
+    const auto start = std::chrono::steady_clock::now();
     auto built = build();
-    if (built) { slot->value = *built; }
+    lock.lock();
+    if (built) {
+        slot->seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        slot->value = *built;
+    }
     return built;
 }
 
-template <class Value>
-void Cache<Value>::forget(std::string_view prefix)
+/// Accounts for a slot's value, just built or asked for again, and lets the least worth go. A slot
+/// without a value goes itself.
+void Cache::keep(const std::string& key, Slot& slot)
+{
+    const auto at = slots_.find(key);
+    if (at == slots_.end() || at->second.get() != &slot) { return; }  // forgotten meanwhile
+    if (slot.bytes > 0) {
+        bytes_ -= slot.bytes;
+        worth_.erase(slot.worth);
+        slot.bytes = 0;
+    }
+    const std::uint64_t bytes = slot.value ? bytes_of(*slot.value) : 0;
+    if (bytes == 0 || bytes > most_) {
+        slots_.erase(at);
+        return;
+    }
+    slot.bytes = bytes;
+    slot.worth = worth_.emplace(floor_ + slot.seconds / static_cast<double>(slot.bytes), key);
+    bytes_ += slot.bytes;
+    while (bytes_ > most_) {
+        floor_ = worth_.begin()->first;
+        drop(slots_.find(worth_.begin()->second));
+    }
+}
+
+void Cache::drop(Slots::iterator at)
+{
+    if (at->second->bytes > 0) {
+        bytes_ -= at->second->bytes;
+        worth_.erase(at->second->worth);
+    }
+    slots_.erase(at);
+}
+
+void Cache::replace(const std::string& key, Kept better)
+{
+    const std::lock_guard lock(mutex_);
+    const auto at = slots_.find(key);
+    if (at == slots_.end() || !at->second->value) { return; }
+    at->second->value = std::move(better);
+    keep(key, *at->second);
+}
+
+void Cache::forget(std::string_view prefix)
 {
     const std::lock_guard lock(mutex_);
     for (auto at = slots_.lower_bound(prefix);
          at != slots_.end() && at->first.starts_with(prefix);) {
-        erase(at++);
+        drop(at++);
     }
 }
 
-template <class Value>
-std::uint64_t Cache<Value>::bytes() const
+std::uint64_t Cache::bytes() const
 {
     const std::lock_guard lock(mutex_);
     return bytes_;
 }
-
-template class Cache<Model>;
-template class Cache<SharedMap>;
 
 }  // namespace relight

@@ -1,44 +1,75 @@
 #pragma once
 
+#include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 #include "core/asset.h"
+#include "core/base/progress.h"
 #include "core/base/result.h"
 #include "core/light/environment.h"
 #include "core/trace/stage.h"
+#include "core/transport/transport.h"
 
 namespace relight {
 
 using SharedMap = std::shared_ptr<const EnvironmentMap>;
+
+/// How much has been asked of a tree that was built in haste.
+struct TreeUse {
+    std::atomic<std::uint64_t> rays{0};
+    std::atomic<bool> upgrading{false};
+};
 
 /// A client's file made ready for light: what it brings, and the stage of its geometry (refined, if
 /// that was asked for).
 struct Model {
     std::shared_ptr<const Asset> asset;
     Stage stage;
+    std::string key;  ///< what it is kept under, and what is derived from it begins with; empty: it
+                      ///< stood in the request and is not kept
+    std::shared_ptr<TreeUse> use = std::make_shared<TreeUse>();
 };
 
-/// Memory that a value holds.
-std::uint64_t bytes_of(const Model& model);
-std::uint64_t bytes_of(const SharedMap& map);
+/// What is kept between requests.
+using Kept = std::variant<Model, SharedMap, SharedColumn>;
 
-/// Values by what they depend on, kept as long as `bytes` allow, the least recently used leaving
-/// first. Who asks for one that is being built waits for it. Any thread may call.
-template <class Value>
+/// Memory that it holds.
+std::uint64_t bytes_of(const Kept& kept);
+
+/// Values by what they depend on, kept as long as `bytes` allow. When room is needed, that one
+/// leaves which saves the least time a byte, the longer it has not been asked for the sooner
+/// (GreedyDual-Size, Cao & Irani 1997). Who asks for one that is being built waits for it.
+/// Any thread may call.
 class Cache {
   public:
     explicit Cache(std::uint64_t bytes) : most_(bytes) {}
 
     /// The value of `key`, built by `build` if it is not held. A build that fails is not kept.
-    Result<Value> get(const std::string& key, const std::function<Result<Value>()>& build);
+    /// Errors: build's; Cancelled if progress is stopped while another builds it.
+    template <class Value>
+    Result<Value> get(const std::string& key, Progress& progress,
+                      const std::function<Result<Value>()>& build)
+    {
+        return find_or_build(key, progress,
+                             [&] {
+                                 return build().transform(
+                                     [](Value&& value) { return Kept(std::move(value)); });
+                             })
+            .transform([](Kept&& kept) { return std::get<Value>(std::move(kept)); });
+    }
+
+    /// Gives `key` a better value, if it is held still.
+    void replace(const std::string& key, Kept better);
 
     /// Forgets every value whose key starts with `prefix`.
     void forget(std::string_view prefix);
@@ -47,24 +78,25 @@ class Cache {
 
   private:
     struct Slot {
-        std::mutex building;
-        std::optional<Value> value;  // guarded by `building`
-        std::uint64_t bytes = 0;     // these two by the cache's mutex
-        std::list<std::string>::iterator place;
+        bool building = false;
+        std::optional<Kept> value;
+        std::uint64_t bytes = 0;
+        double seconds = 0.0;                                     // that building took
+        std::multimap<double, std::string>::iterator worth = {};  // of a value that is there
     };
     using Slots = std::map<std::string, std::shared_ptr<Slot>, std::less<>>;
-    std::shared_ptr<Slot> slot_of(const std::string& key);
-    void settle(const std::string& key, const std::shared_ptr<Slot>& slot);
-    void erase(typename Slots::iterator at);
+    Result<Kept> find_or_build(const std::string& key, Progress& progress,
+                               const std::function<Result<Kept>()>& build);
+    void keep(const std::string& key, Slot& slot);
+    void drop(Slots::iterator at);
 
     std::uint64_t most_;
-    mutable std::mutex mutex_;
+    mutable std::mutex mutex_;  // of all that follows, slots included
+    std::condition_variable built_;
     Slots slots_;
-    std::list<std::string> recent_;  // keys, most recent first
+    std::multimap<double, std::string> worth_;  // keys of the values, the least worth first
+    double floor_ = 0.0;                        // worth of what left last
     std::uint64_t bytes_ = 0;
 };
-
-using ModelCache = Cache<Model>;
-using SkyCache = Cache<SharedMap>;
 
 }  // namespace relight

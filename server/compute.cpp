@@ -34,11 +34,11 @@ Error ComputePool::dropped()
     return {Fault::Stopping, "the server is stopping; send it again later", {}, {}, {}};
 }
 
-bool ComputePool::submit(Job job)
+bool ComputePool::submit(Job job, std::shared_ptr<Progress> progress)
 {
     const std::lock_guard lock(mutex_);
     if (waiting_.size() >= most_waiting_ + (workers_.size() - running_.size())) { return false; }
-    waiting_.push_back(std::move(job));
+    waiting_.push_back({std::move(job), std::move(progress)});
     changed_.notify_all();
     return true;
 }
@@ -49,15 +49,14 @@ void ComputePool::work()
     while (true) {
         changed_.wait(lock, [&] { return closing_ || !waiting_.empty(); });
         if (closing_) { return; }
-        Job job = std::move(waiting_.front());
+        auto [job, progress] = std::move(waiting_.front());
         waiting_.pop_front();
-        Progress progress;
-        running_.insert(&progress);
+        running_.insert(progress);
         lock.unlock();
-        job(progress);
+        job(*progress);
         job = nullptr;  // what it holds goes before we count as idle
         lock.lock();
-        running_.erase(&progress);
+        running_.erase(progress);
         changed_.notify_all();
     }
 }
@@ -72,7 +71,7 @@ void ComputePool::stop_all()
 {
     const std::lock_guard lock(mutex_);
     waiting_.clear();
-    for (Progress* progress : running_) { progress->stop(); }
+    for (const auto& progress : running_) { progress->stop(); }
 }
 
 }  // namespace relight

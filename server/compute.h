@@ -29,18 +29,22 @@ class ComputePool {
     ComputePool& operator=(const ComputePool&) = delete;
     ~ComputePool();  ///< stops what runs, drops what waits
 
-    /// False if the queue is full.
-    bool submit(Job job);
+    /// Does `job` when its turn comes; whoever holds `progress` may stop it, before that too. False
+    /// if the queue is full.
+    bool submit(Job job, std::shared_ptr<Progress> progress = std::make_shared<Progress>());
 
     /// Runs `work(progress)`, a Result, here and waits for it; what it throws is thrown again.
     /// Errors: Overloaded if the queue is full, Stopping if it was dropped from it.
     template <class Work>
-    auto run(Work work) -> std::invoke_result_t<Work, Progress&>
+    auto run(Work work, std::shared_ptr<Progress> progress = std::make_shared<Progress>())
+        -> std::invoke_result_t<Work, Progress&>
     {
         using Answer = std::invoke_result_t<Work, Progress&>;
         auto task = std::make_shared<std::packaged_task<Answer(Progress&)>>(std::move(work));
         auto answer = task->get_future();
-        if (!submit([task](Progress& progress) { (*task)(progress); })) { return overloaded(); }
+        if (!submit([task](Progress& p) { (*task)(p); }, std::move(progress))) {
+            return overloaded();
+        }
         task.reset();  // a job that is dropped breaks its promise, which wakes us
         try {
             return answer.get();
@@ -61,8 +65,12 @@ class ComputePool {
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::deque<Job> waiting_;
-    std::set<Progress*> running_;
+    struct Waiting {
+        Job job;
+        std::shared_ptr<Progress> progress;
+    };
+    std::deque<Waiting> waiting_;
+    std::set<std::shared_ptr<Progress>> running_;
     std::size_t most_waiting_;
     bool closing_ = false;
     std::vector<std::jthread> workers_;

@@ -66,12 +66,14 @@ std::vector<std::string> property_names(const std::vector<Light>& lights)
 }
 
 /// The visibility of each light that was traced, as floats; empty for the others.
-std::vector<std::vector<float>> visibilities(const Transport& transport)
+std::vector<std::vector<float>> visibilities(const Transport& transport, std::size_t vertices)
 {
     std::vector<std::vector<float>> all;
     for (const auto& column : transport.columns) {
         auto& one = all.emplace_back();
-        if (column != nullptr) { one = column->visible; }
+        if (column == nullptr) { continue; }
+        one.resize(vertices);
+        for (std::size_t v = 0; v < vertices; ++v) { one[v] = column->visible[v]; }
     }
     return all;
 }
@@ -103,14 +105,14 @@ std::string color_json(std::span<const Rgb8> colors)
     return json + "]";
 }
 
-std::string normals_json(std::span<const Dir3> normals)
+std::vector<float> normal_floats(std::span<const Dir3> normals)
 {
     std::vector<float> values;
     values.reserve(normals.size() * 3);
     for (const Dir3& n : normals) {
         for (const double x : {n.x(), n.y(), n.z()}) { values.push_back(static_cast<float>(x)); }
     }
-    return array_json(values, 3);
+    return values;
 }
 
 /// Rows of `width` values, column by column.
@@ -144,18 +146,20 @@ std::string json_answer(const Lit& lit, const Display& display, const Quantities
     }
     if (wanted.irradiance) { json.raw("irradiance", array_json(floats(lit.shaded.irradiance), 3)); }
     if (wanted.radiance) { json.raw("radiance", array_json(floats(lit.shaded.radiance), 3)); }
-    if (wanted.normal) { json.raw("normal", normals_json(lit.stage.surface->normals)); }
+    if (wanted.normal) {
+        json.raw("normal", array_json(normal_floats(lit.stage.surface->normals), 3));
+    }
     if (wanted.ambient_occlusion) {
-        json.raw("ambient_occlusion", array_json(lit.transport.ambient_occlusion, 1));
+        json.raw("ambient_occlusion", array_json(lit.transport.sky->ambient_occlusion, 1));
     }
     if (wanted.standard_error) {
         json.raw("standard_error", array_json(floats(lit.shaded.standard_error), 3));
     }
     if (wanted.sh) {
-        json.raw("sh", array_json(lit.transport.sh, static_cast<int>(sh_coefficients)));
+        json.raw("sh", array_json(lit.transport.sky->sh, static_cast<int>(sh_coefficients)));
     }
     if (wanted.visibility) {
-        const auto all = visibilities(lit.transport);
+        const auto all = visibilities(lit.transport, lit.stage.mesh->positions.size());
         ObjectWriter each;
         for (std::size_t l = 0; l < lights.size(); ++l) {
             if (lights[l].enabled) { each.raw(lights[l].name, array_json(all[l], 1)); }
@@ -181,12 +185,10 @@ Result<std::string> new_glb(const LitMesh& out)
                       "/output/format");
 }
 
-/// `out` in its format.
+/// `out` in a format that is written before it is sent.
 Result<std::string> written(const LitMesh& out, std::span<const std::byte> source, Format format)
 {
     switch (format) {
-        case Format::PlyAscii:
-            return write_ply(out, PlyEncoding::Ascii);
         case Format::Npz:
             return write_npz(out);
         case Format::Obj:
@@ -200,18 +202,27 @@ Result<std::string> written(const LitMesh& out, std::span<const std::byte> sourc
         case Format::Glb:
             return source.empty() ? new_glb(out) : add_to_gltf(source, out);
         default:
-            return write_ply(out, PlyEncoding::BinaryLittleEndian);
+            return write_ply(out, PlyEncoding::Ascii);
     }
 }
 
-Result<std::string> file_answer(const Lit& lit, const Display& display, const Quantities& wanted,
-                                std::span<const Rgb8> color, Format format)
+/// What an answer shows that neither Transport nor Shaded holds as it is sent.
+struct Derived {
+    std::shared_ptr<const Lit> lit;
+    Display display;
+    std::vector<Rgb8> color;
+    std::vector<std::vector<float>> visible;       ///< a light: V, or empty
+    std::vector<std::vector<float>> coefficients;  ///< of sh, one by one: V
+    std::vector<float> normals;                    ///< V x 3
+};
+
+/// The answer as a file; its spans are of `derived`.
+LitMesh lit_mesh(const Derived& derived, const Quantities& wanted, Format format)
 {
+    const Lit& lit = *derived.lit;
     const UnitNames units = unit_names(lit.scene.units);
     const auto names = property_names(lit.scene.lights);
-    const auto visible =
-        wanted.visibility ? visibilities(lit.transport) : std::vector<std::vector<float>>{};
-    LitMesh out{*lit.stage.mesh, {}, color, {}, {}};
+    LitMesh out{*lit.stage.mesh, {}, derived.color, {}, {}};
     if (wanted.normal || !lit.stage.mesh->normals.empty()) {
         out.normals = lit.stage.surface->normals;
     }
@@ -224,37 +235,118 @@ Result<std::string> file_answer(const Lit& lit, const Display& display, const Qu
         out.comments.push_back("radiance in " + std::string(units.radiance));
     }
     if (wanted.ambient_occlusion) {
-        out.quantities.push_back({"ambient_occlusion", 1, lit.transport.ambient_occlusion});
+        out.quantities.push_back({"ambient_occlusion", 1, lit.transport.sky->ambient_occlusion});
     }
     if (wanted.standard_error) {
         out.quantities.push_back({"standard_error", 3, floats(lit.shaded.standard_error)});
         out.comments.push_back("standard_error of the irradiance, same unit");
     }
-    const auto coefficients = wanted.sh && format != Format::Npz
-                                  ? columns_of(lit.transport.sh, sh_coefficients)
-                                  : std::vector<std::vector<float>>{};
-    for (std::size_t k = 0; k < coefficients.size(); ++k) {
-        out.quantities.push_back({"sh_" + std::to_string(k), 1, coefficients[k]});
+    for (std::size_t k = 0; k < derived.coefficients.size(); ++k) {
+        out.quantities.push_back({"sh_" + std::to_string(k), 1, derived.coefficients[k]});
     }
     if (wanted.sh && format == Format::Npz) {
-        out.quantities.push_back({"sh", static_cast<int>(sh_coefficients), lit.transport.sh});
+        out.quantities.push_back({"sh", static_cast<int>(sh_coefficients), lit.transport.sky->sh});
     }
-    for (std::size_t l = 0; l < visible.size(); ++l) {
-        if (!visible[l].empty()) {
-            out.quantities.push_back({"visibility_" + names[l], 1, visible[l]});
+    for (std::size_t l = 0; l < derived.visible.size(); ++l) {
+        if (!derived.visible[l].empty()) {
+            out.quantities.push_back({"visibility_" + names[l], 1, derived.visible[l]});
         }
     }
     for (std::size_t l = 0; l < lit.shaded.per_light.size(); ++l) {
         out.quantities.push_back({"per_light_" + names[l], 3, floats(lit.shaded.per_light[l])});
     }
     if (wanted.color) {
-        out.comments.push_back("color is sRGB, exposure_ev " + decimal(display.exposure_ev) +
-                               ", tone_map " + std::string(tone_map_name(display.tone_map)));
+        out.comments.push_back("color is sRGB, exposure_ev " +
+                               decimal(derived.display.exposure_ev) + ", tone_map " +
+                               std::string(tone_map_name(derived.display.tone_map)));
     }
     for (const std::string& warning : lit.warnings) {
         out.comments.push_back("warning: " + warning);
     }
-    return written(out, lit.source, format);
+    return out;
+}
+
+/// The arrays that ?fields= asks for, in its order; their spans are of `derived`.
+std::vector<Field> fields_of(const Derived& derived, const std::vector<FieldWanted>& wanted)
+{
+    const Lit& lit = *derived.lit;
+    const UnitNames units = unit_names(lit.scene.units);
+    const auto& lights = lit.scene.lights;
+    std::vector<Field> fields;
+    const auto add = [&](const std::string& name, FieldType type, int components,
+                         std::span<const float> values, std::string_view unit) {
+        fields.push_back({name, type, components, values, std::string(unit)});
+    };
+    for (const auto& [name, type] : wanted) {
+        if (name == "color") {
+            fields.push_back({name, type, 3, std::span<const Rgb8>(derived.color), "sRGB 8-bit"});
+        } else if (name == "irradiance") {
+            add(name, type, 3, floats(lit.shaded.irradiance), units.irradiance);
+        } else if (name == "radiance") {
+            add(name, type, 3, floats(lit.shaded.radiance), units.radiance);
+        } else if (name == "standard_error") {
+            add(name, type, 3, floats(lit.shaded.standard_error), units.irradiance);
+        } else if (name == "normal") {
+            add(name, type, 3, derived.normals, "1");
+        } else if (name == "ambient_occlusion") {
+            add(name, type, 1, lit.transport.sky->ambient_occlusion, "1");
+        } else if (name == "sh") {
+            add(name, type, static_cast<int>(sh_coefficients), lit.transport.sky->sh, "sr");
+        } else if (name == "visibility") {
+            for (std::size_t l = 0; l < lights.size(); ++l) {
+                if (derived.visible[l].empty()) { continue; }
+                add("visibility/" + lights[l].name, type, 1, derived.visible[l], "1");
+            }
+        } else {
+            for (std::size_t l = 0; l < lights.size(); ++l) {
+                add("per_light/" + lights[l].name, type, 3, floats(lit.shaded.per_light[l]),
+                    units.irradiance);
+            }
+        }
+    }
+    return fields;
+}
+
+/// How far off the irradiances are, as the head of a message tells it.
+std::string error_json(std::span<const Rgbf> errors)
+{
+    double squares = 0.0;
+    float largest = 0.0F;
+    for (const Rgbf& error : errors) {
+        const float band = std::max({error[0], error[1], error[2]});
+        largest = std::max(largest, band);
+        squares += static_cast<double>(band) * static_cast<double>(band);
+    }
+    const double count = static_cast<double>(std::max<std::size_t>(1, errors.size()));
+    return ObjectWriter()
+        .number("root_mean_square", std::sqrt(squares / count))
+        .number("largest", static_cast<double>(largest))
+        .done();
+}
+
+/// Raw arrays, and in their head what else an answer says.
+Encoding fields_answer(const Derived& derived, const Output& output, bool last)
+{
+    const Lit& lit = *derived.lit;
+    ObjectWriter more;
+    if (!derived.color.empty()) { more.raw("display", display_json(derived.display)); }
+    more.raw("view", view_json(lit.scene)).count("samples", lit.scene.transport.samples);
+    if (!lit.shaded.standard_error.empty()) {
+        more.raw("standard_error", error_json(lit.shaded.standard_error));
+    }
+    if (output.progressive) { more.count("rays", lit.transport.rays).flag("final", last); }
+    more.raw("warnings", text_array(lit.warnings));
+    const std::string members = more.done();
+    return encode_fields(lit.stage.mesh->positions.size(), fields_of(derived, output.fields),
+                         std::string_view(members).substr(1, members.size() - 2));
+}
+
+/// The same while what it shows is kept.
+Encoding keeping(const std::shared_ptr<const Derived>& derived, Encoding encoding)
+{
+    auto write = std::move(encoding.write);
+    encoding.write = [derived, write = std::move(write)](const Sink& sink) { return write(sink); };
+    return encoding;
 }
 
 /// Pixels of display colours as PNG, or as JPEG, which has no alpha.
@@ -326,16 +418,39 @@ bool keeps_source(Format format, const Mesh& mesh)
     return format == Format::Las || (format == Format::Glb && !mesh.pieces.empty());
 }
 
-Result<std::string> encode_mesh(const Lit& lit, Display display, const Quantities& wanted,
-                                Format format, unsigned threads, Progress& progress)
+Encoding sent_whole(std::string bytes)
 {
-    std::vector<Rgb8> color;
+    const auto kept = std::make_shared<const std::string>(std::move(bytes));
+    return {kept->size(), [kept](const Sink& sink) { return kept->empty() || sink(*kept); }};
+}
+
+Result<Encoding> encode_mesh(const std::shared_ptr<const Lit>& lit, Display display,
+                             const Output& output, Format format, bool last, unsigned threads,
+                             Progress& progress)
+{
+    const Quantities& wanted = output.quantities;
+    const std::size_t vertices = lit->stage.mesh->positions.size();
+    auto made = std::make_shared<Derived>();
+    made->lit = lit;
     if (wanted.color) {
-        if (display.auto_exposure) { display.exposure_ev = auto_exposure_ev(lit.shaded.radiance); }
-        color = to_srgb8(lit.shaded.radiance, display, threads, progress);
+        if (display.auto_exposure) { display.exposure_ev = auto_exposure_ev(lit->shaded.radiance); }
+        made->color = to_srgb8(lit->shaded.radiance, display, threads, progress);
     }
-    if (format == Format::Json) { return json_answer(lit, display, wanted, color); }
-    return file_answer(lit, display, wanted, color, format);
+    made->display = display;
+    if (format == Format::Json) {
+        return sent_whole(json_answer(*lit, display, wanted, made->color));
+    }
+    if (wanted.visibility) { made->visible = visibilities(lit->transport, vertices); }
+    if (format == Format::Fields) {
+        if (wanted.normal) { made->normals = normal_floats(lit->stage.surface->normals); }
+        return keeping(made, fields_answer(*made, output, last));
+    }
+    if (wanted.sh && format != Format::Npz) {
+        made->coefficients = columns_of(lit->transport.sky->sh, sh_coefficients);
+    }
+    const LitMesh out = lit_mesh(*made, wanted, format);
+    if (format == Format::Ply) { return keeping(made, encode_ply(out)); }
+    return written(out, lit->source, format).transform(sent_whole);
 }
 
 std::string encode_image(const Image& image, Display display, const Output& output, Format format,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,24 +11,30 @@
 
 namespace relight {
 
-/// What encoding reads; all of it outlives the call.
+/// A lit mesh, and all that its answer is made of.
 struct Lit {
-    const Stage& stage;
-    const Scene& scene;
-    const Transport& transport;
-    const Shaded& shaded;
+    Stage stage;
+    Scene scene;
+    Transport transport;
+    Shaded shaded;
     std::vector<std::string> warnings;
-    std::span<const std::byte> source;  ///< the mesh's own file, where keeps_source() says so
+    std::vector<std::byte> source;  ///< the mesh's own file, where keeps_source() says so
 };
+
+/// A text or file that is there already.
+Encoding sent_whole(std::string bytes);
 
 /// The answer is the file that the mesh came as, with what was computed added: a LAS, or a GLB of a
 /// glTF that was not refined.
 bool keeps_source(Format format, const Mesh& mesh);
 
 /// The mesh with what was asked for, in any format but the images. The exposure is chosen here if
-/// the display says so.   Errors: those of write_las() and add_to_gltf(); Internal.
-Result<std::string> encode_mesh(const Lit& lit, Display display, const Quantities& wanted,
-                                Format format, unsigned threads, Progress& progress);
+/// the display says so. Binary PLY and raw fields are written while they are sent; the Encoding
+/// holds what it needs. `last`: no better message follows (of raw fields).
+/// Errors: those of write_las() and add_to_gltf(); Internal.
+Result<Encoding> encode_mesh(const std::shared_ptr<const Lit>& lit, Display display,
+                             const Output& output, Format format, bool last, unsigned threads,
+                             Progress& progress);
 
 /// "units" and "view" of JSON answers.
 std::string units_json(Units units);

@@ -84,8 +84,20 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
     const Rgb color = vertex_color(stage, v);
     const Receiver receiver = vertex_receiver(stage, v);
     const auto seen = seen_vertex(stage, scene, v);
+    Transport transport;  // of this vertex alone
+    transport.columns.resize(scene.lights.size());
+    transport.drawn.resize(scene.lights.size());
+    for (std::size_t l = 0; l < scene.lights.size(); ++l) {
+        if (!scene.lights[l].enabled) { continue; }
+        auto one = std::make_shared<Column>(column(stage, scene, l, v, v + 1));
+        auto drawn = std::make_shared<Column>(drawn_radiance(stage, scene, l, v, v + 1, materials));
+        explained.rays += one->rays + drawn->rays;
+        transport.columns[l] = std::move(one);
+        transport.drawn[l] = std::move(drawn);
+    }
+    const VertexRadiance radiance = vertex_radiance(stage, transport, scene, materials, v);
     Rgb E;
-    Rgb L = seen ? own_light(*seen, stage, material, v) : Rgb{};
+    Rgb L = radiance.own;
     ObjectWriter json;
     json.count("vertex", v)
         .raw("position", json_of(receiver.p - Point3{}))
@@ -98,8 +110,7 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
         const Light& light = scene.lights[l];
         if (!light.enabled) { continue; }
-        const Column one = column(stage, scene, l, true, v, v + 1, materials);
-        explained.rays += one.rays;
+        const Column& one = *transport.columns[l];
         const Rgb E_of_light = irradiance(one, light.power, 0);
         E += E_of_light;
         const LightSample there = toward(light, receiver);
@@ -114,10 +125,9 @@ Explained explain_vertex(const Stage& stage, const Scene& scene,
             .raw("blocker", blocker_json(stage, scene, light, receiver, there))
             .raw("irradiance", rgb_json(E_of_light))
             .raw("standard_error", rgb_json(standard_error(one, light.power)));
+        L += radiance.of_lights[l];
         if (seen) {
-            const Rgb L_of_light = radiance(*seen, scene, material, color, one, light, 0);
-            L += L_of_light;
-            item.raw("radiance", rgb_json(L_of_light));
+            item.raw("radiance", rgb_json(radiance.of_lights[l]));
             if (there.wi) {
                 item.raw("brdf", terms_json(material, seen->receiver.frame.to_local(there.wi),
                                             seen->wo, color));
@@ -167,12 +177,12 @@ Result<Encoded> explain(RelightRequest request, const std::vector<Part>& parts,
             vertices += (i > 0 ? "," : "") + one.json;
         }
         encoded.warnings = warnings_of(stage, scene, 0, Receivers::Vertices);
-        encoded.bytes = ObjectWriter()
-                            .raw("units", units_json(scene.units))
-                            .raw("view", view_json(scene))
-                            .raw("vertices", vertices + "]")
-                            .raw("warnings", text_array(encoded.warnings))
-                            .done();
+        encoded.body = sent_whole(ObjectWriter()
+                                      .raw("units", units_json(scene.units))
+                                      .raw("view", view_json(scene))
+                                      .raw("vertices", vertices + "]")
+                                      .raw("warnings", text_array(encoded.warnings))
+                                      .done());
         return encoded;
     };
     auto encoded = timed(timings.total, [&] {

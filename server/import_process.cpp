@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 
 #include "core/io/utf8.h"
@@ -38,30 +37,27 @@ void mend_text(Asset& asset)
 Result<ImportedImage> import_exr(std::span<const std::byte> file, const ImportLimits& limits,
                                  Progress& progress)
 {
+    const auto answer = run_importer(exr, file, limits, progress);
+    if (!answer) { return answer.error(); }
+    const Header& header = answer->header;
+    if (header.width < 1 || header.height < 1 || header.width > limits.pixels / header.height) {
+        return broken_import(exr);
+    }
+    const std::size_t count = std::size_t{header.width} * header.height;
+    if (header.bytes != count * sizeof(Rgbf)) { return broken_import(exr); }
     ImportedImage imported;
     Image& image = imported.image;
-    std::uint64_t negatives = 0;
-    const auto room = [&](const Header& header) -> std::optional<std::span<std::byte>> {
-        if (header.width < 1 || header.height < 1 || header.width > limits.pixels / header.height) {
-            return {};
-        }
-        negatives = header.negatives;
-        image.width = static_cast<int>(header.width);
-        image.height = static_cast<int>(header.height);
-        image.pixels.resize(std::size_t{header.width} * header.height);
-        const auto texels = std::as_writable_bytes(std::span(image.pixels));
-        if (header.bytes != texels.size()) { return {}; }
-        return texels;
-    };
-    const auto done = run_importer(exr, file, limits, progress, room);
-    if (!done) { return done.error(); }
+    image.width = static_cast<int>(header.width);
+    image.height = static_cast<int>(header.height);
+    const auto* const texels = reinterpret_cast<const Rgbf*>(answer->content.data());
+    image.pixels.assign(texels, texels + count);
     const auto good = [](const Rgbf& texel) {
         return std::all_of(texel.begin(), texel.end(),
                            [](float v) { return v >= 0.0F && std::isfinite(v); });
     };
     if (!std::all_of(image.pixels.begin(), image.pixels.end(), good)) { return broken_import(exr); }
-    if (negatives > 0) {
-        imported.notes.push_back(std::to_string(negatives) + " values below 0 became 0");
+    if (header.negatives > 0) {
+        imported.notes.push_back(std::to_string(header.negatives) + " values below 0 became 0");
     }
     return imported;
 }
@@ -69,17 +65,9 @@ Result<ImportedImage> import_exr(std::span<const std::byte> file, const ImportLi
 Result<Asset> import_gltf(std::span<const std::byte> file, const ImportLimits& limits,
                           Progress& progress)
 {
-    std::unique_ptr<std::byte[]> archive;  // left as it is until bytes come: pages that never do
-    std::size_t size = 0;                  // cost nothing
-    const auto room = [&](const Header& header) -> std::optional<std::span<std::byte>> {
-        if (header.bytes > limits.memory) { return {}; }  // it held all that in its own
-        size = header.bytes;
-        archive = std::make_unique_for_overwrite<std::byte[]>(size);
-        return std::span(archive.get(), size);
-    };
-    const auto done = run_importer(gltf, file, limits, progress, room);
-    if (!done) { return done.error(); }
-    std::optional<Asset> asset = read_asset({archive.get(), size});
+    const auto answer = run_importer(gltf, file, limits, progress);
+    if (!answer) { return answer.error(); }
+    std::optional<Asset> asset = read_asset(answer->content);
     if (!asset || !within(asset->mesh, limits)) { return broken_import(gltf); }
     mend_text(*asset);
     return std::move(*asset);

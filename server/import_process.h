@@ -31,10 +31,10 @@ struct ImportedImage {
 };
 
 /// Decodes an OpenEXR file in a process of its own (server/import), which may break: no byte of the
-/// file meets a decoder in this one. Returns within `limits.time`, and 0.1 s of being stopped; the
-/// process is gone by then.   Errors: EmptyFile, the decoder's (server/import/exr.h), ImportFailed
-/// (it crashed, hung, ran over a limit or answered nonsense), Cancelled. Throws std::system_error
-/// if no process can be started.
+/// file meets a decoder in this one. Waits while as many imports run as there are cores; returns
+/// within `limits.time` of its turn, and 0.1 s of being stopped; the process is gone by then.
+/// Errors: EmptyFile, the decoder's (server/import/exr.h), ImportFailed (it crashed, hung, ran over
+/// a limit or answered nonsense), Cancelled. Throws std::system_error if no process can be started.
 Result<ImportedImage> import_exr(std::span<const std::byte> file, const ImportLimits& limits,
                                  Progress& progress);
 

@@ -3,20 +3,24 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
-#include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace relight {
 namespace {
@@ -32,23 +36,25 @@ Error error(Fault fault, std::string detail)
     return {fault, std::move(detail), {}, {}, {}};
 }
 
-/// The importer at work: our end of a socket that is its standard input and output. (A socket, for
-/// send() raises no SIGPIPE.) Whatever happens, nothing of it outlives this object.
+/// The importer at work. Whatever happens, nothing of it outlives this object.
 class ImportProcess {
   public:
-    ImportProcess(const std::string& program, std::vector<std::string> arguments);
+    /// Its standard input and output are these files. All else that this process has it has not:
+    /// no other file, none of the environment, blocked signals or terminal.
+    ImportProcess(const std::string& program, std::vector<std::string> arguments, int input,
+                  int output);
     ~ImportProcess();
     ImportProcess(const ImportProcess&) = delete;
     ImportProcess& operator=(const ImportProcess&) = delete;
 
-    int socket() const { return socket_; }
-
-    /// Its exit status as waitpid() has it, once it has ended.
-    std::optional<int> ended();
+    /// Its exit status as waitpid() has it, if it ends within this time.
+    std::optional<int> ended_within(std::chrono::milliseconds time);
 
   private:
+    ImportProcess() = default;
+
     pid_t process_ = -1;  // and its process group; -1 once it has ended
-    int socket_ = -1;
+    int end_ = -1;        // a file that can be read from once it has
 };
 
 void check(int code, const char* what)
@@ -56,15 +62,10 @@ void check(int code, const char* what)
     if (code != 0) { throw std::system_error(code, std::generic_category(), what); }
 }
 
-ImportProcess::ImportProcess(const std::string& program, std::vector<std::string> arguments)
+ImportProcess::ImportProcess(const std::string& program, std::vector<std::string> arguments,
+                             int input, int output)
+    : ImportProcess()  // so that what throws from here on leaves no process behind
 {
-    std::array<int, 2> ends{};
-    check(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) == 0 ? 0 : errno,
-          "socketpair");
-    socket_ = ends[0];
-
-    // Of what this process has open it gets that socket alone, and none of its environment, blocked
-    // signals or terminal.
     posix_spawn_file_actions_t files;
     posix_spawnattr_t attributes;
     sigset_t none, all;
@@ -72,8 +73,8 @@ ImportProcess::ImportProcess(const std::string& program, std::vector<std::string
     ::sigfillset(&all);
     ::posix_spawn_file_actions_init(&files);
     ::posix_spawnattr_init(&attributes);
-    ::posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
     ::posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
     ::posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
     ::posix_spawnattr_setsigmask(&attributes, &none);
@@ -86,33 +87,35 @@ ImportProcess::ImportProcess(const std::string& program, std::vector<std::string
     argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) { argv.push_back(argument.data()); }
     argv.push_back(nullptr);
-    char* environment[] = {nullptr};
+    // Its memory comes in large pages and never goes back: without, a third of the time that
+    // decoding a million vertices takes is page faults.
+    char tunables[] =
+        "GLIBC_TUNABLES=glibc.malloc.hugetlb=1:glibc.malloc.mmap_max=0:"
+        "glibc.malloc.top_pad=8388608:glibc.malloc.trim_threshold=4294967296";
+    char* environment[] = {tunables, nullptr};
     pid_t process = -1;
     const int code =
         ::posix_spawn(&process, program.c_str(), &files, &attributes, argv.data(), environment);
     ::posix_spawnattr_destroy(&attributes);
     ::posix_spawn_file_actions_destroy(&files);
-    ::close(ends[1]);
-    if (code != 0) { ::close(socket_); }
     check(code, "start of relight-import");
     process_ = process;
+    end_ = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));  // the C library's is C only
+    check(end_ < 0 ? errno : 0, "pidfd_open");
 }
 
 ImportProcess::~ImportProcess()
 {
-    ::close(socket_);
+    if (end_ >= 0) { ::close(end_); }
     if (process_ < 0) { return; }
     ::kill(-process_, SIGKILL);
     while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {}
 }
 
-std::optional<int> ImportProcess::ended()
+std::optional<int> ImportProcess::ended_within(std::chrono::milliseconds time)
 {
-    siginfo_t end{};
-    const int flags = WEXITED | WNOHANG | WNOWAIT;
-    if (::waitid(P_PID, static_cast<id_t>(process_), &end, flags) != 0 || end.si_pid == 0) {
-        return std::nullopt;
-    }
+    pollfd end{end_, POLLIN, 0};
+    if (::poll(&end, 1, static_cast<int>(time.count())) <= 0) { return std::nullopt; }
     ::kill(-process_, SIGKILL);  // what it may have left behind, while the group's name is its own
     int status = 0;
     while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {}
@@ -120,72 +123,8 @@ std::optional<int> ImportProcess::ended()
     return status;
 }
 
-/// What the importer says, as it arrives: a header and the content that it announces, or a line of
-/// text. It may have been taken over by the file, so nothing it says is believed.
-class Answer {
-  public:
-    explicit Answer(const ContentRoom& room) : room_for_(room) {}
-
-    /// Where the next bytes go; never empty.
-    std::span<std::byte> room()
-    {
-        if (!content_) { return std::as_writable_bytes(std::span(text_)).subspan(text_size_); }
-        const auto left = content_->subspan(content_size_);
-        return left.empty() ? std::span(&beyond_, 1) : left;
-    }
-
-    /// `count` bytes came there; false if they cannot be part of any answer.
-    bool take(std::size_t count)
-    {
-        if (content_) {
-            content_size_ += count;
-            return content_size_ <= content_->size();
-        }
-        text_size_ += count;
-        if (text_size_ < sizeof(protocol::Header)) { return true; }
-        if (!std::equal(protocol::magic.begin(), protocol::magic.end(), text_.begin())) {
-            return text_size_ < text_.size();
-        }
-        return begin_content();
-    }
-
-    /// Nothing if the content is there wholly; what to say of an importer that broke is `broken`.
-    Failure finish(int status, Error broken) const;
-
-  private:
-    bool begin_content();
-    std::optional<Error> refusal() const;
-
-    const ContentRoom& room_for_;
-    std::array<char, protocol::longest_refusal + 1> text_{};
-    std::size_t text_size_ = 0;
-    std::optional<std::span<std::byte>> content_;
-    std::size_t content_size_ = 0;  // of what came
-    std::byte beyond_{};            // a byte too many
-};
-
-bool Answer::begin_content()
-{
-    protocol::Header header;
-    std::memcpy(&header, text_.data(), sizeof header);
-    content_ = room_for_(header);
-    const std::size_t early = text_size_ - sizeof header;  // content that came with the header
-    if (!content_ || early > content_->size()) { return false; }
-    std::memcpy(content_->data(), text_.data() + sizeof header, early);
-    content_size_ = early;
-    return true;
-}
-
-Failure Answer::finish(int status, Error broken) const
-{
-    const int said = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    if (said == protocol::imported && content_ && content_size_ == content_->size()) { return {}; }
-    if (said == protocol::refused && !content_) { return refusal().value_or(std::move(broken)); }
-    return broken;
-}
-
 /// "code detail": the codes that a decoder may give, and text that a client may be shown.
-std::optional<Error> Answer::refusal() const
+std::optional<Error> refusal(std::span<const std::byte> bytes)
 {
     constexpr std::array faults{
         Fault::MalformedHeader,     Fault::MalformedBody,      Fault::Truncated,
@@ -193,15 +132,34 @@ std::optional<Error> Answer::refusal() const
         Fault::JsonTooDeep,         Fault::CountExceedsFile,   Fault::IndexOutOfRange,
         Fault::NonFiniteCoordinate, Fault::CoordinateTooLarge, Fault::NoGeometry,
         Fault::TooManyVertices,     Fault::TooManyFaces,       Fault::ImportFailed};
-    const std::string_view line(text_.data(), text_size_);
-    const std::size_t blank = std::min(line.find(' '), line.size());
+    const std::string_view line(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (line.size() > protocol::longest_refusal || !line.ends_with('\n')) { return {}; }
+    const std::size_t blank = std::min(line.find(' '), line.size() - 1);
     for (const Fault fault : faults) {
-        if (line.substr(0, blank) != fault_code(fault) || !line.ends_with('\n')) { continue; }
+        if (line.substr(0, blank) != fault_code(fault)) { continue; }
         std::string detail(line.substr(blank + 1, line.size() - blank - 2));
         std::replace_if(
             detail.begin(), detail.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
         return error(fault, std::move(detail));
     }
+    return {};
+}
+
+/// An importer that has ended with `status`: reads what it has left in `answer.memory`.
+Failure read_answer(ImportAnswer& answer, int status, Error broken)
+{
+    const int said = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (said != protocol::imported && said != protocol::refused) { return broken; }
+    // Sealed first: should anything of it live on, then nothing of what is read can change.
+    const std::uint64_t size = answer.memory.written();
+    if (size > answer.memory.size() || !answer.memory.seal()) { return broken; }
+    const std::span<const std::byte> bytes = answer.memory.map(size);
+    if (said == protocol::refused) { return refusal(bytes).value_or(std::move(broken)); }
+    protocol::Header& header = answer.header;
+    if (size < sizeof header) { return broken; }
+    std::memcpy(&header, bytes.data(), sizeof header);
+    answer.content = bytes.subspan(sizeof header);
+    if (header.magic != protocol::magic || header.bytes != answer.content.size()) { return broken; }
     return {};
 }
 
@@ -211,12 +169,12 @@ std::string default_program()
         .string();
 }
 
-std::vector<std::string> arguments(const ImportKind& kind, std::size_t bytes,
-                                   const ImportLimits& limits)
+std::vector<std::string> arguments(const ImportKind& kind, const ImportLimits& limits,
+                                   std::uint64_t output)
 {
     const auto cpu_seconds = std::chrono::ceil<std::chrono::seconds>(limits.time).count();
     return {
-        std::string(kind.name),        "--bytes",       std::to_string(bytes),           "--memory",
+        std::string(kind.name),        "--output",      std::to_string(output),          "--memory",
         std::to_string(limits.memory), "--cpu-seconds", std::to_string(cpu_seconds),     "--pixels",
         std::to_string(limits.pixels), "--vertices",    std::to_string(limits.vertices), "--faces",
         std::to_string(limits.faces)};
@@ -224,57 +182,76 @@ std::vector<std::string> arguments(const ImportKind& kind, std::size_t bytes,
 
 }  // namespace
 
+/// A decoder has one thread and up to ImportLimits::memory: more of them than cores would be done
+/// no sooner, but take more memory.
+class ImportPlaces {
+  public:
+    /// Nothing if we are stopped before there is one.
+    static ImportPlace take(const Progress& progress)
+    {
+        static ImportPlaces places;
+        std::unique_lock lock(places.mutex_);
+        while (!places.changed_.wait_for(lock, look_around, [&] { return places.free_ > 0; })) {
+            if (progress.stopped()) { return {}; }
+        }
+        --places.free_;
+        return ImportPlace(&places);
+    }
+
+    void give_back()
+    {
+        const std::lock_guard lock(mutex_);
+        ++free_;
+        changed_.notify_one();
+    }
+
+  private:
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    unsigned free_ = std::max(1U, std::thread::hardware_concurrency());
+};
+
+void GiveBack::operator()(ImportPlaces* places) const
+{
+    places->give_back();
+}
+
 Error broken_import(const ImportKind& kind)
 {
     return error(Fault::ImportFailed,
                  "the decoder broke on this file's content; " + std::string(kind.remedy));
 }
 
-Result<Done> run_importer(const ImportKind& kind, std::span<const std::byte> file,
-                          const ImportLimits& limits, Progress& progress, const ContentRoom& room)
+Result<ImportAnswer> run_importer(const ImportKind& kind, std::span<const std::byte> file,
+                                  const ImportLimits& limits, Progress& progress)
 {
     if (file.empty()) { return error(Fault::EmptyFile, "the file has no bytes"); }
-    const Clock::time_point deadline = Clock::now() + limits.time;
-    ImportProcess process(limits.program.empty() ? default_program() : limits.program,
-                          arguments(kind, file.size(), limits));
-    const auto out_of_patience = [&]() -> Failure {
-        if (progress.stopped()) { return error(Fault::Cancelled, "the import was stopped"); }
-        if (Clock::now() < deadline) { return {}; }
-        return error(Fault::ImportFailed, "decoding the file takes longer than the " +
-                                              std::to_string(limits.time.count()) +
-                                              " ms it may take");
-    };
+    const Error stopped = error(Fault::Cancelled, "the import was stopped");
+    ImportPlace place = ImportPlaces::take(progress);
+    if (!place) { return stopped; }
 
-    // Sends and receives as either is possible: the importer may speak before it has heard all.
-    Answer answer(room);
-    for (bool open = true; open;) {
-        if (auto failure = out_of_patience()) { return std::move(*failure); }
-        pollfd events{process.socket(), POLLIN, 0};
-        if (!file.empty()) { events.events |= POLLOUT; }
-        if (::poll(&events, 1, static_cast<int>(look_around.count())) <= 0) { continue; }
-        if ((events.revents & POLLOUT) != 0) {
-            const ssize_t sent =
-                ::send(process.socket(), file.data(), file.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-            if (sent > 0) { file = file.subspan(static_cast<std::size_t>(sent)); }
-            if (sent < 0 && errno != EAGAIN && errno != EINTR) { file = {}; }  // it wants no more
-            if (file.empty()) { ::shutdown(process.socket(), SHUT_WR); }
-        }
-        if ((events.revents & (POLLIN | POLLHUP | POLLERR)) != 0) {
-            const std::span<std::byte> next = answer.room();
-            const ssize_t count = ::recv(process.socket(), next.data(), next.size(), MSG_DONTWAIT);
-            if (count > 0 && !answer.take(static_cast<std::size_t>(count))) {
-                return broken_import(kind);
-            }
-            open = count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR));
-        }
-    }
+    const Clock::time_point deadline = Clock::now() + limits.time;
+    // The importer has held in its own memory what it says.
+    const std::uint64_t most = std::max<std::uint64_t>(limits.memory, protocol::longest_refusal) +
+                               sizeof(protocol::Header);
+    ImportAnswer answer{std::move(place), SharedMemory(most)};
+    const SharedMemory input(file);
+    ImportProcess process(limits.program.empty() ? default_program() : limits.program,
+                          arguments(kind, limits, most), input.descriptor(),
+                          answer.memory.descriptor());
     for (;;) {
-        if (const auto status = process.ended()) {
-            if (auto failure = answer.finish(*status, broken_import(kind))) { return *failure; }
-            return Done{};
+        if (const auto status = process.ended_within(look_around)) {
+            if (auto failure = read_answer(answer, *status, broken_import(kind))) {
+                return std::move(*failure);
+            }
+            return answer;
         }
-        if (auto failure = out_of_patience()) { return std::move(*failure); }
-        std::this_thread::sleep_for(std::chrono::microseconds{200});
+        if (progress.stopped()) { return stopped; }
+        if (Clock::now() >= deadline) {
+            return error(Fault::ImportFailed, "decoding the file takes longer than the " +
+                                                  std::to_string(limits.time.count()) +
+                                                  " ms it may take");
+        }
     }
 }
 

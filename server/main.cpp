@@ -57,11 +57,12 @@ int serve(const Options& options)
     Store meshes(folder);
     Store environments(folder / "environments");
     Store profiles(folder / "profiles");
-    ModelCache models(options.memory);
-    SkyCache skies(options.memory / 4);
+    Cache cache(options.memory);
     ComputePool pool(options.workers, options.queue);
+    Sessions sessions;
     ByteBudget arriving(options.max_inflight_bytes);
-    ServerState state{options, meshes, environments, profiles, models, skies, pool, arriving, log};
+    ServerState state{options, meshes,   environments, profiles, cache,
+                      pool,    sessions, arriving,     log};
     GuardedServer server(options.guard, [](int status, Fault fault, const std::string& detail) {
         return problem_json({fault, detail + std::string(limits_behind(fault)), {}, {}, {}},
                             status);

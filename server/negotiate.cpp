@@ -65,13 +65,21 @@ std::vector<Accepted> accept_list(std::string_view header)
 
 /// The types each format answers to, the one it is sent as first.
 constexpr std::pair<Format, std::string_view> media_types[] = {
-    {Format::Ply, "model/ply"},         {Format::Ply, "application/octet-stream"},
-    {Format::Json, "application/json"}, {Format::Npz, "application/x-npz"},
-    {Format::Png, "image/png"},         {Format::Exr, "image/x-exr"},
-    {Format::Npz, "application/zip"},   {Format::Glb, "model/gltf-binary"},
-    {Format::Obj, "model/obj"},         {Format::Off, "model/off"},
-    {Format::Vtp, "application/x-vtp"}, {Format::Las, "application/vnd.las"},
-    {Format::Jpeg, "image/jpeg"},       {Format::Hdr, "image/vnd.radiance"}};
+    {Format::Ply, "model/ply"},
+    {Format::Ply, "application/octet-stream"},
+    {Format::Json, "application/json"},
+    {Format::Npz, "application/x-npz"},
+    {Format::Png, "image/png"},
+    {Format::Exr, "image/x-exr"},
+    {Format::Npz, "application/zip"},
+    {Format::Glb, "model/gltf-binary"},
+    {Format::Obj, "model/obj"},
+    {Format::Off, "model/off"},
+    {Format::Vtp, "application/x-vtp"},
+    {Format::Las, "application/vnd.las"},
+    {Format::Jpeg, "image/jpeg"},
+    {Format::Hdr, "image/vnd.radiance"},
+    {Format::Fields, "application/octet-stream"}};  // after ply: Accept asks for that
 
 bool matches(std::string_view range, std::string_view type)
 {

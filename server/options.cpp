@@ -56,7 +56,8 @@ ParsedOptions parse_options(int argc, const char* const* argv)
         ->check(CLI::Range(0, 1024));
     add(app, "--workers", o.workers, "jobs at once")->check(CLI::Range(1, 256));
     add(app, "--queue", o.queue, "jobs that may wait; more get 503")->check(CLI::Range(1, 100'000));
-    add(app, "--memory", o.memory, "bytes of the mesh cache, and of one job's working arrays");
+    add(app, "--memory", o.memory,
+        "bytes of the cache of meshes, skies and columns, and of one job's working arrays");
     add(app, "--log", log, "log lines on standard error: text or json")
         ->check(CLI::IsMember({"text", "json"}));
     add(app, "--max-upload-bytes", o.max_upload_bytes, "bytes of one upload; more get 413");

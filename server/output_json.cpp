@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "server/json_text.h"
+#include "server/json_tree.h"
+
 namespace relight {
 namespace {
 
@@ -133,6 +136,70 @@ Output parse_output(Fields fields, const ParseLimits& limits)
     }
     fields.finish();
     return output;
+}
+
+namespace {
+
+/// Why an array of this quantity cannot have this type; empty if it can.
+std::string_view misfit(std::string_view quantity, FieldType type)
+{
+    const bool share = quantity == "visibility" || quantity == "ambient_occlusion";
+    if (quantity == "color" && type != FieldType::UInt8) {
+        return "color is sRGB codes, uint8; radiance is what it is made of";
+    }
+    if (quantity != "color" && !share && type == FieldType::UInt8) {
+        return "uint8 is for color, and for visibility and ambient_occlusion, which are shares";
+    }
+    return {};
+}
+
+}  // namespace
+
+std::optional<Error> parse_fields_query(std::string_view text, Output& output)
+{
+    if (output.format || output.names_quantities) {
+        return make_error(
+            Fault::ConflictingFields,
+            "?fields= says what comes and how; leave \"format\" and \"quantities\" out",
+            output.format ? "/output/format" : "/output/quantities");
+    }
+    output.format = Format::Fields;
+    output.quantities = {};
+    while (true) {
+        const std::string_view one = text.substr(0, text.find(','));
+        const auto colon = one.find(':');
+        const std::string_view name = one.substr(0, colon);
+        const auto* entry = std::find_if(std::begin(quantities), std::end(quantities),
+                                         [&](const auto& q) { return q.first == name; });
+        if (entry == std::end(quantities)) {
+            return make_error(Fault::UnknownValue,
+                              "found \"" + printable(name) +
+                                  "\" in ?fields=; allowed: color, irradiance, radiance, "
+                                  "ambient_occlusion, visibility, normal, standard_error, "
+                                  "per_light, sh, each with :float32, :float16 or :uint8");
+        }
+        const auto type = colon == std::string_view::npos
+                              ? name == "color" ? FieldType::UInt8 : FieldType::Float32
+                              : field_type(one.substr(colon + 1));
+        if (!type) {
+            return make_error(Fault::UnknownValue, "found \"" + printable(one.substr(colon + 1)) +
+                                                       "\" as a type in ?fields=; allowed: "
+                                                       "float32, float16, uint8");
+        }
+        if (const auto why = misfit(name, *type); !why.empty()) {
+            return make_error(Fault::UnknownValue,
+                              "found \"" + printable(one) + "\" in ?fields=; " + std::string(why));
+        }
+        bool& asked = output.quantities.*entry->second;
+        if (asked) {
+            return make_error(Fault::DuplicateField,
+                              std::string(name) + " stands twice in ?fields=");
+        }
+        asked = true;
+        output.fields.push_back({std::string(name), *type});
+        if (one.size() == text.size()) { return {}; }
+        text.remove_prefix(one.size() + 1);
+    }
 }
 
 }  // namespace relight

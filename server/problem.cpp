@@ -89,6 +89,8 @@ ProblemKind problem_kind(Fault fault)
             return {503, "The server is stopping"};
         case Fault::Cancelled:
             return {503, "The work was stopped"};
+        case Fault::Superseded:
+            return {409, "A newer request took its place"};
         case Fault::Internal:
             return {500, "Internal error"};
     }

@@ -1,6 +1,8 @@
 #include "server/relight.h"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <limits>
 
 #include "core/shade/shade.h"
@@ -14,62 +16,96 @@
 namespace relight {
 namespace {
 
-/// Values beyond single precision become its largest: an answer holds finite numbers only.
-std::size_t clamp_to_finite(std::vector<Rgbf>& values)
+/// Values beyond single precision become its largest: an answer holds finite numbers only. Returns
+/// how many there were.
+std::size_t clamp_to_finite(std::vector<Rgbf>& values, unsigned threads)
 {
-    std::size_t clamped = 0;
-    for (Rgbf& value : values) {
-        for (float& band : value) {
-            if (band <= std::numeric_limits<float>::max()) { continue; }
-            band = std::numeric_limits<float>::max();
-            ++clamped;
-        }
-    }
+    constexpr std::size_t block = 1 << 15;
+    Progress to_the_end;
+    std::atomic<std::size_t> clamped{0};
+    parallel_for(
+        values.size(), block, threads, to_the_end, [&](std::size_t begin, std::size_t end) {
+            // The usual case first, without a branch: the exponent of none is all ones.
+            std::uint32_t beyond = 0;
+            for (std::size_t v = begin; v < end; ++v) {
+                for (const float band : values[v]) {
+                    beyond |= (std::bit_cast<std::uint32_t>(band) & 0x7fffffffU) + 0x00800000U;
+                }
+            }
+            if ((beyond & 0x80000000U) == 0) { return; }
+            for (std::size_t v = begin; v < end; ++v) {
+                for (float& band : values[v]) {
+                    if (band <= std::numeric_limits<float>::max()) { continue; }
+                    band = std::numeric_limits<float>::max();
+                    ++clamped;
+                }
+            }
+        });
     return clamped;
+}
+
+/// Looks a column up among those that are kept, or keeps the one that is made.
+Keep keeper(const SetUp& made, bool sh, const Workshop& workshop, Progress& progress)
+{
+    if (made.model.key.empty()) { return {}; }
+    return [&made, &workshop, &progress, sh](Told told, std::size_t light, const auto& make) {
+        const std::string key =
+            made.model.key + '/' + column_key(told, made.scene, light, sh, made.names);
+        auto column =
+            workshop.cache.get<SharedColumn>(key, progress, [&]() -> Result<SharedColumn> {
+                auto made_now = make();
+                if (made_now == nullptr) { return cancelled(); }
+                return made_now;
+            });
+        return column ? *column : nullptr;
+    };
 }
 
 /// Stage and scene -> columns -> E and L -> bytes, per vertex.
 Result<Encoded> light_vertices(const RelightRequest& request, Format format, const SetUp& made,
-                               std::span<const std::byte> source, const Workshop& workshop,
+                               std::vector<std::byte> source, bool last, const Workshop& workshop,
                                Timings& timings, Progress& progress)
 {
     const Stage& stage = made.model.stage;
     const Scene& scene = made.scene;
-    const Quantities& wanted = request.output.quantities;
+    const Output& output = request.output;
+    const Quantities& wanted = output.quantities;
     const bool radiance = wanted.color || wanted.radiance || is_image(format);
-    const TransportWanted columns{radiance, wanted.ambient_occlusion, wanted.sh, workshop.threads};
-    const Transport transport =
+    const TransportWanted columns{radiance, wanted.ambient_occlusion, wanted.sh, workshop.threads,
+                                  keeper(made, wanted.sh, workshop, progress)};
+    Transport transport =
         timed(timings.trace, [&] { return trace(stage, scene, columns, progress); });
     if (progress.stopped()) { return cancelled(); }
-    const ShadeOptions options{radiance, wanted.per_light, wanted.standard_error, workshop.threads};
+    const ShadeOptions options{radiance, wanted.per_light,
+                               wanted.standard_error || output.progressive, workshop.threads};
     Shaded shaded =
         timed(timings.shade, [&] { return shade(stage, transport, scene, options, progress); });
     if (progress.stopped()) { return cancelled(); }
-    std::size_t clamped = clamp_to_finite(shaded.irradiance) + clamp_to_finite(shaded.radiance) +
-                          clamp_to_finite(shaded.standard_error);
-    for (auto& one : shaded.per_light) { clamped += clamp_to_finite(one); }
-    Encoded encoded{std::string(media_type(format)),
-                    {},
-                    transport.rays,
-                    {},
-                    warnings_of(stage, scene, clamped, Receivers::Vertices)};
-    warn_of_thin_shadows(encoded.warnings, stage, shaded.irradiance);
-    return timed(timings.encode, [&]() -> Result<Encoded> {
+    std::size_t clamped = clamp_to_finite(shaded.irradiance, workshop.threads) +
+                          clamp_to_finite(shaded.radiance, workshop.threads) +
+                          clamp_to_finite(shaded.standard_error, workshop.threads);
+    for (auto& one : shaded.per_light) { clamped += clamp_to_finite(one, workshop.threads); }
+    Encoded encoded;
+    encoded.media_type = media_type(format);
+    encoded.rays = transport.rays;
+    encoded.units = scene.units;
+    encoded.warnings = warnings_of(stage, scene, clamped, Receivers::Vertices);
+    warn_of_thin_shadows(encoded.warnings, stage, shaded.irradiance, workshop.threads, progress);
+    auto body = timed(timings.encode, [&]() -> Result<Encoding> {
         if (is_image(format)) {
-            auto picture = encode_preview(stage, scene, shaded.radiance, request.display,
-                                          request.output, format, workshop.threads, progress);
-            if (!picture) { return std::move(picture).error(); }
-            encoded.bytes = std::move(*picture);
-        } else {
-            const Lit lit{stage, scene, transport, shaded, encoded.warnings, source};
-            auto file =
-                encode_mesh(lit, request.display, wanted, format, workshop.threads, progress);
-            if (!file) { return std::move(file).error(); }
-            encoded.bytes = std::move(*file);
+            return encode_preview(stage, scene, shaded.radiance, request.display, output, format,
+                                  workshop.threads, progress)
+                .transform(sent_whole);
         }
-        if (progress.stopped()) { return cancelled(); }
-        return std::move(encoded);
+        const auto lit =
+            std::make_shared<const Lit>(Lit{stage, scene, std::move(transport), std::move(shaded),
+                                            encoded.warnings, std::move(source)});
+        return encode_mesh(lit, request.display, output, format, last, workshop.threads, progress);
     });
+    if (progress.stopped()) { return cancelled(); }
+    if (!body) { return std::move(body).error(); }
+    encoded.body = std::move(*body);
+    return encoded;
 }
 
 /// Stage and scene -> picture -> bytes.
@@ -90,19 +126,20 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
     Rendered rendered =
         timed(timings.trace, [&] { return raytrace(stage, scene, options, progress); });
     if (progress.stopped()) { return cancelled(); }
-    std::size_t clamped =
-        clamp_to_finite(rendered.image.pixels) + clamp_to_finite(rendered.standard_error);
-    for (auto& one : rendered.per_light) { clamped += clamp_to_finite(one); }
-    Encoded encoded{std::string(media_type(format)),
-                    {},
-                    rendered.rays,
-                    {},
-                    warnings_of(stage, scene, clamped, Receivers::Pixels)};
+    std::size_t clamped = clamp_to_finite(rendered.image.pixels, workshop.threads) +
+                          clamp_to_finite(rendered.standard_error, workshop.threads);
+    for (auto& one : rendered.per_light) { clamped += clamp_to_finite(one, workshop.threads); }
+    Encoded encoded;
+    encoded.media_type = media_type(format);
+    encoded.rays = rendered.rays;
+    encoded.units = scene.units;
+    encoded.warnings = warnings_of(stage, scene, clamped, Receivers::Pixels);
     timed(timings.encode, [&] {
-        encoded.bytes = is_display_image(format)
-                            ? encode_image(rendered.image, request.display, output, format,
-                                           workshop.threads, progress)
-                            : encode_radiance(rendered, scene, output, format, encoded.warnings);
+        encoded.body =
+            sent_whole(is_display_image(format)
+                           ? encode_image(rendered.image, request.display, output, format,
+                                          workshop.threads, progress)
+                           : encode_radiance(rendered, scene, output, format, encoded.warnings));
     });
     if (progress.stopped()) { return cancelled(); }
     return encoded;
@@ -111,17 +148,24 @@ Result<Encoded> light_pixels(const RelightRequest& request, Format format, const
 }  // namespace
 
 Result<Encoded> relight(RelightRequest request, Format format, const std::vector<Part>& parts,
-                        const Workshop& workshop, Progress& progress)
+                        const Workshop& workshop, Progress& progress, bool last)
 {
     Timings timings;
+    if (progress.stopped()) { return cancelled(); }
     if (auto error = check_format(request.output, format)) { return std::move(*error); }
     const auto light = [&](const SetUp& made) -> Result<Encoded> {
         const Stage& stage = made.model.stage;
         const Scene& scene = made.scene;
         if (auto error = check(request, format, made, workshop)) { return std::move(*error); }
+        const auto counted = [&](Result<Encoded>&& encoded) {
+            const std::uint64_t rays = encoded ? encoded->rays : 0;
+            count_rays(made.model, request.points.radius_scale, rays, workshop);
+            return std::move(encoded);
+        };
         const bool traced = is_image(format) && request.output.renderer == Renderer::Raytrace;
         if (traced) {
-            return light_pixels(request, format, stage, scene, workshop, timings, progress);
+            return counted(
+                light_pixels(request, format, stage, scene, workshop, timings, progress));
         }
         std::vector<std::byte> source;  // where the answer is the file itself, added to
         if (keeps_source(format, *stage.mesh)) {
@@ -129,7 +173,8 @@ Result<Encoded> relight(RelightRequest request, Format format, const std::vector
             if (!bytes) { return std::move(bytes).error(); }
             source = std::move(*bytes);
         }
-        return light_vertices(request, format, made, source, workshop, timings, progress);
+        return counted(light_vertices(request, format, made, std::move(source), last, workshop,
+                                      timings, progress));
     };
     auto encoded = timed(timings.total, [&] {
         return set_up(request, parts, workshop, timings, progress).and_then(light);

@@ -55,6 +55,19 @@ bool is_flat_nothing(const LightShape& shape)
 
 }  // namespace
 
+double rays_asked(const RelightRequest& request, Format format, const Scene& scene,
+                  std::size_t vertices)
+{
+    const Output& output = request.output;
+    if (is_image(format) && output.renderer == Renderer::Raytrace) {
+        return static_cast<double>(output.width) * output.height * output.samples *
+               rays_of_a_path(scene);
+    }
+    const Quantities& wanted = output.quantities;
+    const bool radiance = wanted.color || wanted.radiance || is_image(format);
+    return static_cast<double>(vertices) * rays_of_a_vertex(scene, wanted, radiance);
+}
+
 std::optional<Error> check(const RelightRequest& request, Format format, const SetUp& made,
                            const Workshop& workshop)
 {
@@ -74,9 +87,7 @@ std::optional<Error> check(const RelightRequest& request, Format format, const S
     const Quantities& wanted = output.quantities;
     const bool traced_image = is_image(format) && output.renderer == Renderer::Raytrace;
     const double pixels = static_cast<double>(output.width) * output.height;
-    const bool radiance = wanted.color || wanted.radiance || is_image(format);
-    const double rays = traced_image ? pixels * output.samples * rays_of_a_path(scene)
-                                     : vertices * rays_of_a_vertex(scene, wanted, radiance);
+    const double rays = rays_asked(request, format, scene, stage.mesh->positions.size());
     if (rays > static_cast<double>(workshop.rays)) {
         return make_error(Fault::OutOfRange,
                           "this asks for up to " + decimal(rays) + " rays; at most " +
@@ -214,10 +225,10 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
 }
 
 void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage,
-                          std::span<const Rgbf> irradiance)
+                          std::span<const Rgbf> irradiance, unsigned threads, Progress& progress)
 {
     const std::vector<std::uint32_t> sharp =
-        sharp_vertices(*stage.mesh, *stage.surface, irradiance);
+        sharp_vertices(*stage.mesh, *stage.surface, irradiance, threads, progress);
     // On a mesh that is fine enough the edges of shadows cross few triangles: 1.3 % of 3,000
     // vertices.
     constexpr std::size_t usual = 50;  // one in so many

@@ -12,6 +12,10 @@ namespace relight {
 std::optional<Error> check(const RelightRequest& request, Format format, const SetUp& made,
                            const Workshop& workshop);
 
+/// Most rays that the request may cost on a mesh of so many vertices.
+double rays_asked(const RelightRequest& request, Format format, const Scene& scene,
+                  std::size_t vertices);
+
 /// Refuses fields that the answer's format has no place for.
 std::optional<Error> check_format(const Output& output, Format format);
 
@@ -25,6 +29,6 @@ std::vector<std::string> warnings_of(const Stage& stage, const Scene& scene, std
 /// Adds that the light of many vertices differs sharply from their neighbours'
 /// (core/shade/sharp.h), and which.
 void warn_of_thin_shadows(std::vector<std::string>& warnings, const Stage& stage,
-                          std::span<const Rgbf> irradiance);
+                          std::span<const Rgbf> irradiance, unsigned threads, Progress& progress);
 
 }  // namespace relight

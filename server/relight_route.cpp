@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
+#include "server/encode.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 #include "server/multipart.h"
 #include "server/negotiate.h"
+#include "server/output_json.h"
+#include "server/receipt.h"
 #include "server/relight.h"
 #include "server/reply.h"
 #include "server/routes.h"
@@ -83,63 +87,52 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
 /// What is to be made of a request: an answer in its format, or the reasons of some vertices.
 enum class Purpose { Relight, Explain };
 
-Result<Encoded> run(const Posted& posted, Purpose purpose, const std::string& accept,
-                    ServerState& state)
+/// A request on its way to its answer.
+struct Job {
+    Posted posted;
+    RelightRequest request;
+    Purpose purpose = Purpose::Relight;
+    Format format = Format::Json;
+    double parsing_ms = 0.0;
+    std::unique_ptr<ByteBudget::Share> share;
+    std::unique_ptr<Sessions::Turn> turn;
+};
+
+/// The stages of a progressive answer: a quarter of the samples of the next.
+std::vector<unsigned> stages_of(const RelightRequest& request)
 {
-    using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
+    constexpr unsigned fewest = 4;
+    const unsigned all = request.scene.transport.samples;
+    std::vector<unsigned> stages;
+    for (unsigned samples = fewest; samples < all; samples *= 4) { stages.push_back(samples); }
+    stages.push_back(all);
+    return stages;
+}
+
+/// The answer from so many samples.
+Result<Encoded> run(const Job& job, unsigned samples, ServerState& state)
+{
     const Options& options = state.options;
-    double parsing = 0.0;
-    const auto parse = [&] {
-        auto request = parse_request(posted.json, options.parse, posted.has_mesh_part,
-                                     purpose == Purpose::Explain);
-        parsing = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-        return request;
-    };
-    const Workshop workshop{state.meshes,
-                            state.environments,
-                            state.profiles,
-                            state.models,
-                            state.skies,
-                            options.threads,
-                            {options.parse.vertices, options.parse.faces},
-                            options.parse.pixels,
-                            options.max_rays,
-                            options.memory};
-    const auto light = [&](RelightRequest&& request, Progress& progress) -> Result<Encoded> {
-        if (purpose == Purpose::Explain) {
-            return explain(std::move(request), posted.parts, workshop, progress);
-        }
-        const auto format = request.output.format ? request.output.format : format_accepted(accept);
-        if (!format) {
-            return make_error(
-                Fault::NotAcceptable,
-                "answers come as model/ply, model/gltf-binary, model/obj, model/off, "
-                "application/x-vtp, "
-                "application/vnd.las, application/json, application/x-npz, image/png, image/jpeg, "
-                "image/x-exr or image/vnd.radiance; \"output\": {\"format\": …} goes before "
-                "Accept");
-        }
-        return relight(std::move(request), *format, posted.parts, workshop, progress);
-    };
-    constexpr std::size_t small_json = std::size_t{64}
-                                       << 10U;  // parsed here, so that slips cost no wait
-    Result<Encoded> encoded = make_error(Fault::Internal, {});
-    if (posted.json.size() <= small_json) {
-        auto request = parse();
-        if (!request) { return request.error(); }
-        encoded = state.pool.run(
-            [&](Progress& progress) { return light(std::move(*request), progress); });
-    } else {
-        encoded = state.pool.run([&](Progress& progress) {
-            return parse().and_then(
-                [&](RelightRequest&& r) { return light(std::move(r), progress); });
-        });
-    }
-    if (encoded) {
-        encoded->timings.parse += parsing;
-        encoded->timings.total =
-            std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    const Workshop workshop{
+        state.meshes,         state.environments,
+        state.profiles,       state.cache,
+        options.threads,      {options.parse.vertices, options.parse.faces},
+        options.parse.pixels, options.max_rays,
+        options.memory,       [&pool = state.pool](auto work) { pool.submit(std::move(work)); }};
+    RelightRequest request = job.request;
+    const bool last = samples == request.scene.transport.samples;
+    request.scene.transport.samples = samples;
+    auto encoded = state.pool.run(
+        [&](Progress& progress) {
+            return job.purpose == Purpose::Explain
+                       ? explain(std::move(request), job.posted.parts, workshop, progress)
+                       : relight(std::move(request), job.format, job.posted.parts, workshop,
+                                 progress, last);
+        },
+        job.turn->progress());
+    if (!encoded && encoded.error().fault == Fault::Cancelled && job.turn->superseded()) {
+        return make_error(Fault::Superseded,
+                          "a newer request with the same Relight-Session took this one's place");
     }
     return encoded;
 }
@@ -160,32 +153,220 @@ std::string server_timing(const Timings& timings)
     return header;
 }
 
-void relight_posted(const httplib::Request& request, httplib::Response& response,
-                    const httplib::ContentReader& reader, Purpose purpose, ServerState& state)
+void set_headers(const Encoded& encoded, httplib::Response& response)
 {
-    if (state.stopping) {
-        return reply(response, make_error(Fault::Stopping, "the server is stopping"));
-    }
-    if (request.has_param("receipt") && request.get_param_value("receipt") != "0") {
-        return reply(response, make_error(Fault::NotAvailable,
-                                          "receipts are not in this build; leave ?receipt out"));
-    }
-    ByteBudget::Share share(state.arriving);
-    const auto received = receive(request, reader, state, share);
-    if (!received) { return reply(response, received.error()); }
-    if (!received->posted) { return; }
-    auto encoded = run(*received->posted, purpose, request.get_header_value("Accept"), state);
-    if (!encoded) { return reply(response, encoded.error()); }
-    response.status = 200;
-    response.body = std::move(encoded->bytes);
-    response.set_header("Content-Type", encoded->media_type);
-    response.set_header("Server-Timing", server_timing(encoded->timings));
-    response.set_header("Relight-Rays", std::to_string(encoded->rays));
+    response.set_header("Server-Timing", server_timing(encoded.timings));
+    response.set_header("Relight-Rays", std::to_string(encoded.rays));
     std::string warnings;
-    for (const std::string& warning : encoded->warnings) {
+    for (const std::string& warning : encoded.warnings) {
         warnings.append(warnings.empty() ? "" : "; ").append(warning);
     }
     if (!warnings.empty()) { response.set_header("Relight-Warnings", warnings); }
+}
+
+/// Writes an answer into the library's sink; false: the client is gone.
+bool write(const Encoding& body, httplib::DataSink& sink) noexcept
+{
+    try {
+        return body.write(
+            [&](std::string_view bytes) { return sink.write(bytes.data(), bytes.size()); });
+    } catch (...) {  // outside the library's own try
+        return false;
+    }
+}
+
+/// One answer: text at once, so that it can be compressed; files while they are encoded.
+void send(Encoded&& encoded, httplib::Response& response)
+{
+    if (encoded.media_type == "application/json") {
+        response.body = whole(encoded.body);
+        response.set_header("Content-Type", encoded.media_type);
+        return;
+    }
+    response.set_content_provider(
+        encoded.body.bytes, encoded.media_type,
+        [body = std::move(encoded.body)](std::size_t, std::size_t, httplib::DataSink& sink) {
+            return write(body, sink);
+        });
+}
+
+/// Message after message, each from more samples; the next is computed when the one before has been
+/// sent. Ends early, without a final one, where the request is superseded or the server stops.
+void send_progressively(std::shared_ptr<const Job> job, std::vector<unsigned> stages,
+                        Encoded&& first, httplib::Response& response, ServerState& state)
+{
+    struct Stream {
+        std::shared_ptr<const Job> job;
+        std::vector<unsigned> stages;
+        std::size_t stage = 0;
+        Encoding message;
+    };
+    const auto stream = std::make_shared<Stream>(
+        Stream{std::move(job), std::move(stages), 0, std::move(first.body)});
+    response.set_chunked_content_provider(
+        first.media_type, [stream, &state](std::size_t, httplib::DataSink& sink) {
+            try {
+                if (!write(stream->message, sink)) { return false; }
+                if (++stream->stage < stream->stages.size() && !state.stopping) {
+                    auto next = run(*stream->job, stream->stages[stream->stage], state);
+                    if (next) {
+                        stream->message = std::move(next->body);
+                        return true;
+                    }
+                }
+                sink.done();
+                return true;
+            } catch (...) {  // outside the library's own try
+                return false;
+            }
+        });
+}
+
+/// What the query and headers say beside the body.
+std::optional<Error> read_query(const httplib::Request& request, RelightRequest& asked)
+{
+    const auto flag = [&](const char* name) {
+        return request.has_param(name) && request.get_param_value(name) != "0";
+    };
+    asked.receipt = asked.receipt || flag("receipt");
+    if (request.has_param("fields")) {
+        if (auto error = parse_fields_query(request.get_param_value("fields"), asked.output)) {
+            return error;
+        }
+    }
+    asked.output.progressive = flag("progressive");
+    if (asked.output.progressive && (!request.has_param("fields") || asked.receipt)) {
+        return make_error(Fault::ConflictingFields,
+                          "?progressive=1 sends raw fields, message after message: say which by "
+                          "?fields=, and ask for no receipt");
+    }
+    return {};
+}
+
+/// The session a request belongs to; empty: none.
+Result<std::string> session_of(const httplib::Request& request)
+{
+    constexpr std::size_t longest = 64;
+    if (!request.has_header("Relight-Session")) { return std::string(); }
+    const std::string name = request.get_header_value("Relight-Session");
+    const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_';
+    });
+    if (name.empty() || name.size() > longest || !plain) {
+        return make_error(Fault::BadRequest,
+                          "Relight-Session is 1 to 64 letters, digits, '-' or '_', such as a UUID");
+    }
+    return request.remote_addr + ' ' + name;
+}
+
+/// Everything that the request names by id is still stored.
+bool all_stored(const RelightRequest& request, const ServerState& state)
+{
+    const auto* mesh = std::get_if<StoredMesh>(&request.mesh);
+    if (mesh != nullptr && !state.meshes.find(mesh->id)) { return false; }
+    return std::all_of(request.light_files.begin(), request.light_files.end(),
+                       [&](const LightFile& file) {
+                           const auto* stored = std::get_if<StoredMesh>(&file.source);
+                           return stored == nullptr || state.environments.find(stored->id) ||
+                                  state.profiles.find(stored->id);
+                       });
+}
+
+Result<RelightRequest> parse(const Posted& posted, Purpose purpose, ServerState& state)
+{
+    constexpr std::size_t small_json = std::size_t{64} << 10U;  // parsed here: a slip costs no wait
+    const auto read = [&] {
+        return parse_request(posted.json, state.options.parse, posted.has_mesh_part,
+                             purpose == Purpose::Explain);
+    };
+    if (posted.json.size() <= small_json) { return read(); }
+    return state.pool.run([&](Progress& /*progress*/) { return read(); });
+}
+
+void relight_posted(const httplib::Request& request, httplib::Response& response,
+                    const httplib::ContentReader& reader, Purpose purpose, ServerState& state)
+{
+    using Clock = std::chrono::steady_clock;
+    if (state.stopping) {
+        return reply(response, make_error(Fault::Stopping, "the server is stopping"));
+    }
+    const auto session = session_of(request);
+    if (!session) { return reply(response, session.error()); }
+    auto job = std::make_shared<Job>();
+    job->share = std::make_unique<ByteBudget::Share>(state.arriving);
+    auto received = receive(request, reader, state, *job->share);
+    if (!received) { return reply(response, received.error()); }
+    if (!received->posted) { return; }
+    const auto start = Clock::now();
+    const auto elapsed = [&] {
+        return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    };
+    job->turn = std::make_unique<Sessions::Turn>(state.sessions, *session);
+    job->posted = std::move(*received->posted);
+    job->purpose = purpose;
+    auto asked = parse(job->posted, purpose, state);
+    if (!asked) { return reply(response, asked.error()); }
+    job->request = std::move(*asked);
+    if (auto error = read_query(request, job->request)) { return reply(response, *error); }
+    const double parsing = elapsed();
+    std::string digest;
+    if (purpose == Purpose::Relight) {
+        const auto& named = job->request.output.format;
+        const auto format = named ? named : format_accepted(request.get_header_value("Accept"));
+        if (!format) {
+            return reply(
+                response,
+                make_error(
+                    Fault::NotAcceptable,
+                    "answers come as model/ply, model/gltf-binary, model/obj, model/off, "
+                    "application/x-vtp, "
+                    "application/vnd.las, application/json, application/x-npz, image/png, "
+                    "image/jpeg, "
+                    "image/x-exr or image/vnd.radiance; \"output\": {\"format\": …} goes before "
+                    "Accept"));
+        }
+        job->format = *format;
+        digest = request_digest(
+            job->posted.json, job->posted.parts, *format,
+            request.get_param_value("fields") + (job->request.receipt ? " receipt" : ""));
+    }
+    const bool progressive = job->request.output.progressive;
+    const std::string tag = '"' + digest + '"';
+    if (!digest.empty() && !progressive) {
+        response.set_header("ETag", tag);
+        if (names_tag(request.get_header_value("If-None-Match"), tag) &&
+            all_stored(job->request, state)) {
+            response.status = 304;
+            return;
+        }
+    }
+    const auto stages =
+        progressive ? stages_of(job->request) : std::vector{job->request.scene.transport.samples};
+    auto encoded = run(*job, stages.front(), state);
+    if (!encoded) {
+        response.headers.erase("ETag");
+        return reply(response, encoded.error());
+    }
+    encoded->timings.parse += parsing;
+    encoded->timings.total = elapsed();
+    response.status = 200;
+    set_headers(*encoded, response);
+    if (progressive) {
+        return send_progressively(std::move(job), stages, std::move(*encoded), response, state);
+    }
+    if (job->request.receipt && purpose == Purpose::Relight) {
+        const std::string receipt =
+            receipt_json(job->request, job->posted.parts, encoded->units, digest, encoded->body);
+        if (job->format == Format::Json) {
+            std::string json = whole(encoded->body);
+            json.back() = ',';
+            encoded->body = sent_whole(json + "\"receipt\":" + receipt + "}");
+        } else {
+            response.set_header("Relight-Receipt", receipt);
+        }
+    }
+    send(std::move(*encoded), response);
 }
 
 }  // namespace
@@ -197,8 +378,12 @@ void add_relight_route(GuardedServer& server, ServerState& state)
         server.Post(path, [&state, purpose = purpose](const httplib::Request& request,
                                                       httplib::Response& response,
                                                       const httplib::ContentReader& reader) {
-            answer(state, request, response, {"receipt"},
-                   [&] { relight_posted(request, response, reader, purpose, state); });
+            const auto post = [&] { relight_posted(request, response, reader, purpose, state); };
+            if (purpose == Purpose::Relight) {
+                answer(state, request, response, {"fields", "progressive", "receipt"}, post);
+            } else {
+                answer(state, request, response, {}, post);
+            }
         });
     }
 }

@@ -8,6 +8,7 @@
 
 #include "core/display/display.h"
 #include "core/geometry/surface.h"
+#include "core/io/fields_writer.h"
 #include "core/scene.h"
 
 namespace relight {
@@ -21,7 +22,22 @@ struct PartMesh {
 };
 using MeshSource = std::variant<StoredMesh, PartMesh, Mesh>;
 
-enum class Format { Ply, PlyAscii, Obj, Off, Glb, Vtp, Las, Json, Npz, Png, Jpeg, Exr, Hdr };
+enum class Format {
+    Ply,
+    PlyAscii,
+    Obj,
+    Off,
+    Glb,
+    Vtp,
+    Las,
+    Json,
+    Npz,
+    Fields,  ///< raw arrays, asked for by ?fields=
+    Png,
+    Jpeg,
+    Exr,
+    Hdr
+};
 constexpr bool is_image(Format format)
 {
     return format >= Format::Png;
@@ -39,6 +55,12 @@ struct Quantities {
          per_light = false, ambient_occlusion = false, standard_error = false, sh = false;
 };
 
+/// An array of ?fields=.
+struct FieldWanted {
+    std::string quantity;  ///< "irradiance"; "visibility" and "per_light" are one a light
+    FieldType type = FieldType::Float32;
+};
+
 /// How the answer is written.
 struct Output {
     std::optional<Format> format;   ///< absent: by the Accept header
@@ -51,6 +73,8 @@ struct Output {
     std::optional<Rgb> background;
     bool transparent = false;  ///< "background": "transparent"
     Renderer renderer = Renderer::Raytrace;
+    std::vector<FieldWanted> fields;         ///< of Format::Fields
+    bool progressive = false;                ///< Format::Fields: message after message
     std::optional<std::string> image_field;  ///< the first field given that only images have
 };
 
@@ -104,6 +128,7 @@ struct RelightRequest {
     std::optional<double> max_edge;  ///< "refine": longest edge allowed, scene units
     Display display;
     Output output;
+    bool receipt = false;
 };
 
 struct ParseLimits {

@@ -114,7 +114,7 @@ std::string ready_json(const ServerState& state)
                              .text("rays", Bvh::kernel())
                              .done())
         .raw("limits", limits_json(state.options))
-        .count("cache_bytes", state.models.bytes() + state.skies.bytes())
+        .count("cache_bytes", state.cache.bytes())
         .done();
 }
 

@@ -8,6 +8,7 @@
 #include "server/guard.h"
 #include "server/options.h"
 #include "server/server_log.h"
+#include "server/sessions.h"
 #include "server/store.h"
 
 namespace relight {
@@ -18,9 +19,9 @@ struct ServerState {
     Store& meshes;
     Store& environments;
     Store& profiles;
-    ModelCache& models;
-    SkyCache& skies;
+    Cache& cache;
     ComputePool& pool;
+    Sessions& sessions;
     ByteBudget& arriving;
     Log& log;
     std::atomic<bool> stopping{false};

@@ -231,8 +231,9 @@ Result<RelightRequest> parse_request(std::string_view json, const ParseLimits& l
         request.output = parse_output(std::move(*output), limits);
     }
     if (explain) { request.vertices = parse_vertices(root); }
-    if (root.flag("receipt").value_or(false)) {
-        root.fail(Fault::NotAvailable, "receipt", "receipts are not in this build; leave it out");
+    request.receipt = root.flag("receipt").value_or(false);
+    if (explain && request.receipt) {
+        root.fail(Fault::NotAvailable, "receipt", "explanations carry none; leave it out");
     }
     root.finish();
     if (errors) { return std::move(errors).take(); }

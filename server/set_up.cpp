@@ -8,6 +8,7 @@
 #include "server/light_file.h"
 #include "server/mesh_file.h"
 #include "server/relight.h"
+#include "server/relight_checks.h"
 #include "server/scene_json.h"
 #include "server/timed.h"
 
@@ -35,7 +36,38 @@ Error no_such_part(const std::string& name, const std::string& pointer)
                       pointer);
 }
 
-/// Asset -> (refined) mesh -> surface and acceleration structure.
+/// Triangles, or points, that rays are traced through.
+std::size_t primitives(const Surface& surface)
+{
+    return surface.triangles.empty() ? surface.normals.size() : surface.triangles.size();
+}
+
+/// Some rays ask what they meet, not only whether. Where one passes through an edge, trees of
+/// another quality may name another of the equally near faces: all such answers come from good
+/// trees.
+bool asks_what_is_met(const RelightRequest& request)
+{
+    const Scene& scene = request.scene;
+    const auto& format = request.output.format;
+    return scene.transport.bounces > 0 || request.default_lights ||
+           (format && is_image(*format) && request.output.renderer == Renderer::Raytrace) ||
+           std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& light) {
+               return std::holds_alternative<MeshLight>(light.shape);
+           });
+}
+
+/// The same model on a good tree.
+Model with_good_tree(const Model& model, double radius_scale, Progress& progress)
+{
+    Model better = model;
+    Stage& stage = better.stage;
+    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, radius_scale,
+                                            TreeQuality::Good, progress);
+    return better;
+}
+
+/// Asset -> (refined) mesh -> surface and acceleration structure, such as this request alone asks
+/// for.
 Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Workshop& workshop,
                           Timings& timings, Progress& progress)
 {
@@ -59,7 +91,15 @@ Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Wo
         stage.surface = std::make_shared<const Surface>(
             prepare(*stage.mesh, workshop.threads, progress, normals));
         if (progress.stopped()) { return cancelled(); }
-        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, points.radius_scale);
+        const double rays = rays_asked(request, request.output.format.value_or(Format::Ply),
+                                       request.scene, stage.mesh->positions.size());
+        const TreeQuality quality =
+            asks_what_is_met(request)
+                ? TreeQuality::Good
+                : tree_for(static_cast<std::uint64_t>(rays), primitives(*stage.surface));
+        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, points.radius_scale,
+                                                quality, progress);
+        if (progress.stopped()) { return cancelled(); }
         return model;
     });
 }
@@ -95,11 +135,29 @@ struct ModelFinder {
         return key;
     }
 
+    Result<Model> kept(const std::string& key, const std::function<Result<Model>()>& make) const
+    {
+        auto model = workshop.cache.get<Model>(key, progress, [&] {
+            return make().transform([&](Model&& made) {
+                made.key = key;
+                return std::move(made);
+            });
+        });
+        const bool hasty = model && model->stage.bvh->quality() == TreeQuality::Fast;
+        if (!hasty || !asks_what_is_met(request)) { return model; }
+        return timed(timings.bvh, [&]() -> Result<Model> {
+            Model better = with_good_tree(*model, request.points.radius_scale, progress);
+            if (progress.stopped()) { return cancelled(); }
+            workshop.cache.replace(key, better);
+            return better;
+        });
+    }
+
     Result<Model> operator()(const StoredMesh& stored) const
     {
         const auto object = workshop.meshes.find(stored.id);
         if (!object) { return no_such_mesh(); }
-        return workshop.models.get(key(stored.id, object->format), [&]() -> Result<Model> {
+        return kept(key(stored.id, object->format), [&]() -> Result<Model> {
             const File file = workshop.meshes.open(stored.id);
             if (!file) { return no_such_mesh(); }
             return build(file.read_all(), object->format, {});
@@ -110,7 +168,7 @@ struct ModelFinder {
     {
         const Part* part = part_named(mesh.part, parts);
         if (part == nullptr) { return no_such_part(mesh.part, "/mesh/part"); }
-        return workshop.models.get(key(sha256(part->data), part->content_type), [&] {
+        return kept(key(sha256(part->data), part->content_type), [&] {
             return build(std::as_bytes(std::span(part->data)), {}, part->content_type);
         });
     }
@@ -150,9 +208,9 @@ Result<Attachment> find_attachment(const LightFile& file, const Store& store,
                       }};
 }
 
-/// Gives a light what its file holds.
+/// Gives a light what its file holds, and notes which file that was.
 std::optional<Error> load(const LightFile& file, Light& light, const std::vector<Part>& parts,
-                          const Workshop& workshop, Progress& progress)
+                          const Workshop& workshop, FileNames& names, Progress& progress)
 {
     auto* sky = std::get_if<EnvironmentLight>(&light.shape);
     auto attachment =
@@ -161,27 +219,43 @@ std::optional<Error> load(const LightFile& file, Light& light, const std::vector
     const std::string& format = attachment->format;
     const auto named =
         format.empty() ? std::nullopt : std::optional<std::string_view>(attachment->format);
+    const std::string name = attachment->id + ' ' + format + ' ' + attachment->content_type;
     if (sky == nullptr) {
         auto profile = read_profile(attachment->read(), named, progress);
         if (!profile) { return std::move(profile).error().at(file.pointer); }
-        std::get<IesLight>(light.shape).profile =
-            std::make_shared<const IesProfile>(std::move(*profile));
+        auto& made = std::get<IesLight>(light.shape).profile;
+        made = std::make_shared<const IesProfile>(std::move(*profile));
+        names[made.get()] = name;
         return {};
     }
-    auto map = workshop.skies.get(
-        attachment->id + ' ' + format + ' ' + attachment->content_type, [&]() -> Result<SharedMap> {
-            return read_environment(attachment->read(), named, attachment->content_type,
-                                    workshop.pixels, progress)
-                .transform([](EnvironmentFile&& read) {
-                    return SharedMap(std::make_shared<const EnvironmentMap>(std::move(read.image)));
-                });
-        });
+    auto map = workshop.cache.get<SharedMap>(name, progress, [&]() -> Result<SharedMap> {
+        return read_environment(attachment->read(), named, attachment->content_type,
+                                workshop.pixels, progress)
+            .transform([](EnvironmentFile&& read) {
+                return SharedMap(std::make_shared<const EnvironmentMap>(std::move(read.image)));
+            });
+    });
     if (!map) { return std::move(map).error().at(file.pointer); }
     sky->map = std::move(*map);
+    names[sky->map.get()] = name;
     return {};
 }
 
 }  // namespace
+
+void count_rays(const Model& model, double radius_scale, std::uint64_t rays,
+                const Workshop& workshop)
+{
+    const Bvh& tree = *model.stage.bvh;
+    if (model.key.empty() || !workshop.behind || tree.quality() == TreeQuality::Good) { return; }
+    const std::uint64_t all = model.use->rays += rays;
+    if (tree_for(all, primitives(*model.stage.surface)) == TreeQuality::Fast) { return; }
+    if (model.use->upgrading.exchange(true)) { return; }
+    workshop.behind([kept = model, radius_scale, &cache = workshop.cache](Progress& progress) {
+        Model better = with_good_tree(kept, radius_scale, progress);
+        if (!progress.stopped()) { cache.replace(kept.key, std::move(better)); }
+    });
+}
 
 Result<std::vector<std::byte>> source_of(const RelightRequest& request,
                                          const std::vector<Part>& parts, const Workshop& workshop)
@@ -201,9 +275,10 @@ Result<std::vector<std::byte>> source_of(const RelightRequest& request,
 Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
                      const Workshop& workshop, Timings& timings, Progress& progress)
 {
+    FileNames names;
     for (const LightFile& file : request.light_files) {
         auto error = timed(timings.parse, [&] {
-            return load(file, request.scene.lights[file.light], parts, workshop, progress);
+            return load(file, request.scene.lights[file.light], parts, workshop, names, progress);
         });
         if (error) { return std::move(*error); }
     }
@@ -221,7 +296,7 @@ Result<SetUp> set_up(RelightRequest& request, const std::vector<Part>& parts,
             return timed(timings.parse, [&] {
                 return complete(request, *model.asset, *model.stage.mesh, *model.stage.surface)
                     .transform([&](Scene&& scene) {
-                        return SetUp{model, std::move(scene)};
+                        return SetUp{model, std::move(scene), std::move(names)};
                     });
             });
         });

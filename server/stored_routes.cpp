@@ -32,7 +32,6 @@ struct Kind {
                                    std::optional<std::string_view> named,
                                    std::string_view content_type, Progress& progress)>
         examine;
-    std::function<void(const std::string& id)> forget;  ///< what was derived from it
 };
 
 Error no_such(const Kind& kind)
@@ -196,7 +195,7 @@ void add_kind(GuardedServer& server, ServerState& state, const std::shared_ptr<c
         answer(state, request, response, {}, [&] {
             const std::string id = request.matches[1].str();
             if (!kind->store.erase(id)) { return reply(response, no_such(*kind)); }
-            kind->forget(id);
+            state.cache.forget(id);
             response.status = 204;
         });
     });
@@ -229,12 +228,9 @@ void add_stored_routes(GuardedServer& server, ServerState& state)
     const auto keep = [&](Kind kind) {
         add_kind(server, state, std::make_shared<const Kind>(std::move(kind)));
     };
-    keep({"/v1/meshes", "mesh", "meshes", state.meshes, meshes,
-          [&state](const std::string& id) { state.models.forget(id); }});
-    keep({"/v1/environments", "environment", "environments", state.environments, environments,
-          [&state](const std::string& id) { state.skies.forget(id); }});
-    keep({"/v1/profiles", "profile", "profiles", state.profiles, profiles,
-          [](const std::string& /*id*/) {}});
+    keep({"/v1/meshes", "mesh", "meshes", state.meshes, meshes});
+    keep({"/v1/environments", "environment", "environments", state.environments, environments});
+    keep({"/v1/profiles", "profile", "profiles", state.profiles, profiles});
 }
 
 }  // namespace relight

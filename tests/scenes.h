@@ -51,9 +51,9 @@ struct Meters {
           count(places.size())
     {
     }
-    Column read(const Scene& scene, std::size_t light = 0, bool radiance = false) const
+    Column read(const Scene& scene, std::size_t light = 0) const
     {
-        return column(stage, scene, light, radiance, first, first + count);
+        return column(stage, scene, light, first, first + count);
     }
 };
 

@@ -87,6 +87,8 @@ std::string_view fault_code(Fault fault)
             return "stopping";
         case Fault::Cancelled:
             return "cancelled";
+        case Fault::Superseded:
+            return "superseded";
         case Fault::Internal:
             return "internal";
     }

@@ -51,6 +51,7 @@ enum class Fault {
     Overloaded,
     Stopping,
     Cancelled,
+    Superseded,  // a newer request of its session took its place
     Internal,
 };
 

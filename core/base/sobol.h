@@ -20,29 +20,43 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x)
     return ((x & 0x55555555U) << 1U) | ((x & 0xaaaaaaaaU) >> 1U);
 }
 
-/// A random permutation in which every bit is flipped by a hash of the bits above it: Owen's
-/// nested uniform scramble, in the hashed form of Laine & Karras 2011 with the constants of Burley
-/// 2020.
-constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed)
+/// The same permutation of numbers whose bits are reversed: in which every bit is flipped by a hash
+/// of the bits below it. Laine & Karras 2011, with the constants of Burley 2020.
+constexpr std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
 {
-    x = reverse_bits(x);
     x += seed;
     x ^= x * 0x6c50b47cU;
     x ^= x * 0xb82f1e52U;
     x ^= x * 0xc7afe638U;
     x ^= x * 0x8d22f6e6U;
-    return reverse_bits(x);
+    return x;
 }
 
-/// Second coordinate of Sobol's sequence (the first is reverse_bits): the Pascal matrix mod 2.
-constexpr std::uint32_t second(std::uint32_t index)
+/// A random permutation in which every bit is flipped by a hash of the bits above it: Owen's
+/// nested uniform scramble.
+constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed)
 {
-    std::uint32_t result = 0;
-    for (std::uint32_t column = 0x80000000U; index != 0; index >>= 1U) {
-        if ((index & 1U) != 0) { result ^= column; }
-        column ^= column >> 1U;
-    }
-    return result;
+    return reverse_bits(scramble_reversed(reverse_bits(x), seed));
+}
+
+/// Second coordinate of Sobol's sequence (the first is reverse_bits), its bits reversed: the Pascal
+/// matrix mod 2. Binomial (k, j) is odd where k has every bit of j (Lucas), so bit j is the sum of
+/// the bits k above it in that order, taken one binary digit of k and j after the other.
+constexpr std::uint32_t second_reversed(std::uint32_t index)
+{
+    index ^= (index >> 1U) & 0x55555555U;
+    index ^= (index >> 2U) & 0x33333333U;
+    index ^= (index >> 4U) & 0x0f0f0f0fU;
+    index ^= (index >> 8U) & 0x00ff00ffU;
+    return index ^ index >> 16U;
+}
+
+/// A hash that loses nothing of x.   Wellons 2018 ("lowbias32")
+constexpr std::uint32_t mix(std::uint32_t x)
+{
+    x = (x ^ x >> 16U) * 0x7feb352dU;
+    x = (x ^ x >> 15U) * 0x846ca68bU;
+    return x ^ x >> 16U;
 }
 
 constexpr std::uint64_t mix(std::uint64_t h, std::uint64_t x)
@@ -64,29 +78,45 @@ constexpr std::uint64_t mix(std::uint64_t h, std::uint64_t x)
 class Sequence {
   public:
     constexpr Sequence(std::uint64_t seed, std::uint64_t item, std::uint64_t light,
-                       std::uint64_t replicate)
-        : key_(sobol::mix(sobol::mix(sobol::mix(sobol::mix(0, seed), item), light), replicate))
+                       std::uint32_t replicate)
+        : key_(sobol::mix(sobol::mix(sobol::mix(0, seed), item), light)), replicate_(replicate)
     {
     }
 
-    /// The `sample`-th point of the `pair`-th pair of dimensions.
+    /// Another replicate of the same.
+    constexpr Sequence replicate(std::uint32_t number) const
+    {
+        Sequence other = *this;
+        other.replicate_ = number;
+        return other;
+    }
+
+    /// The `sample`-th point of the `pair`-th pair of dimensions. 32-bit sums and products alone,
+    /// which compilers vectorise.
     constexpr Sample2 at(std::uint32_t sample, std::uint32_t pair) const
     {
-        const std::uint64_t a = sobol::mix(key_, pair);
-        const std::uint64_t b = sobol::mix(a, 1);
-        const auto low = [](std::uint64_t h) { return static_cast<std::uint32_t>(h); };
-        const auto high = [](std::uint64_t h) { return static_cast<std::uint32_t>(h >> 32U); };
+        const auto low = static_cast<std::uint32_t>(key_);
+        const auto high = static_cast<std::uint32_t>(key_ >> 32U);
+        constexpr std::uint32_t apart = 0x9e3779b9U, apart_too = 0x85ebca6bU;  // odd
+        const std::uint32_t seed =
+            sobol::mix(sobol::mix(low + replicate_ * apart) ^ (high + pair * apart_too));
         // An Owen scramble of the index permutes the points and keeps every power-of-two prefix an
         // aligned block of the sequence: a net.
-        const std::uint32_t index = sobol::owen_scramble(sample, low(a));
-        const std::uint32_t x = sobol::owen_scramble(sobol::reverse_bits(index), high(a));
-        const std::uint32_t y = sobol::owen_scramble(sobol::second(index), low(b));
-        constexpr double unit = 0x1p-32;
-        return {(x + 0.5) * unit, (y + 0.5) * unit};
+        const std::uint32_t index = sobol::owen_scramble(sample, seed);
+        const auto coordinate = [](std::uint32_t reversed, std::uint32_t own_seed) {
+            const std::uint32_t x =
+                sobol::reverse_bits(sobol::scramble_reversed(reversed, own_seed));
+            // Signed, since SSE and AVX2 convert nothing else to double.
+            const auto centred = static_cast<std::int32_t>(x ^ 0x80000000U);
+            return (centred + (0x1p31 + 0.5)) * 0x1p-32;
+        };
+        return {coordinate(index, sobol::mix(seed + 1U)),
+                coordinate(sobol::second_reversed(index), sobol::mix(seed + 2U))};
     }
 
   private:
     std::uint64_t key_;
+    std::uint32_t replicate_;
 };
 
 }  // namespace relight

@@ -35,7 +35,7 @@ struct Point3 {
     constexpr bool operator==(const Point3&) const = default;
 };
 
-/// A unit direction; `normalize` is its only maker. The default is "no direction" (all zero), which
+/// A unit direction; `normalize` makes it. The default is "no direction" (all zero), which
 /// tests false: a vertex without a normal holds it.
 class Dir3 {
   public:
@@ -54,8 +54,16 @@ class Dir3 {
   private:
     constexpr explicit Dir3(Vec3 v) : v_(v) {}
     friend Dir3 normalize(Vec3 v);
+    friend constexpr Dir3 unit_already(Vec3 v);
     Vec3 v_;
 };
+
+/// v, whose length is 1 to within rounding by the way it was made (drawn on the sphere, turned by a
+/// frame): what normalize() would give, without its root and quotients.
+constexpr Dir3 unit_already(Vec3 v)
+{
+    return Dir3(v);
+}
 
 constexpr double dot(Vec3 a, Vec3 b)
 {

@@ -14,13 +14,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// The exponent of Lambda below 60 degrees; its five coefficients are mixed by (1 - alpha)^2.
+/// The exponent of Lambda below 60 degrees.
 double fit(double x, double alpha)
 {
-    const double t = (1.0 - alpha) * (1.0 - alpha);
-    const double a = mix(21.5473, 25.3245, t), b = mix(3.82987, 3.32435, t);
-    const double c = mix(0.19823, 0.16801, t), d = mix(-1.97760, -1.27393, t);
-    const double e = mix(-4.32054, -4.85967, t);
+    const auto [a, b, c, d, e] = Lambda_fit(alpha);
     return a / (1.0 + b * std::pow(x, c)) + d * x + e;
 }
 
@@ -40,9 +37,8 @@ class AlbedoTable {
 
     double at(double cos_o, double alpha) const
     {
-        const double y = std::log(alpha / least_alpha) / row_step_;
+        const auto [row, y] = place(alpha);
         const double x = std::cbrt(cos_o) * (columns - 1);
-        const int row = std::clamp(static_cast<int>(y), 0, rows - 2);
         const int column = std::clamp(static_cast<int>(x), 0, columns - 2);
         const auto along = [&](int r) {
             const auto& line = E_[static_cast<std::size_t>(r)];
@@ -52,12 +48,32 @@ class AlbedoTable {
         return mix(along(row), along(row + 1), y - row);
     }
 
+    std::array<double, albedo_columns> line(double alpha) const
+    {
+        const auto [row, y] = place(alpha);
+        const auto r = static_cast<std::size_t>(row);
+        std::array<double, albedo_columns> mixed{};
+        for (std::size_t c = 0; c < columns; ++c) {
+            mixed[c] = mix(E_[r][c], E_[r + 1][c], y - row);
+        }
+        return mixed;
+    }
+
   private:
-    static constexpr int rows = 48, columns = 128;
+    static constexpr int rows = 48, columns = albedo_columns;
     static constexpr int panels = 6, turns = 24;
     const double row_step_ = std::log(1.0 / least_alpha) / (rows - 1);
     std::array<std::array<double, columns>, rows> E_{};
 
+    struct Place {
+        int row;
+        double y;  ///< in rows, from the first
+    };
+    Place place(double alpha) const
+    {
+        const double y = std::log(alpha / least_alpha) / row_step_;
+        return {std::clamp(static_cast<int>(y), 0, rows - 2), y};
+    }
     void fill(int row);
 };
 
@@ -105,11 +121,24 @@ void AlbedoTable::fill(int row)
     }
 }
 
+const AlbedoTable& albedos()
+{
+    static const AlbedoTable table;
+    return table;
+}
+
 }  // namespace
 
 double D(Vec3 m, double alpha)
 {
     return D_of_sin2(m.x * m.x + m.y * m.y, alpha);
+}
+
+std::array<double, 5> Lambda_fit(double alpha)
+{
+    const double t = (1.0 - alpha) * (1.0 - alpha);  // mixes the coefficients
+    return {mix(21.5473, 25.3245, t), mix(3.82987, 3.32435, t), mix(0.19823, 0.16801, t),
+            mix(-1.97760, -1.27393, t), mix(-4.32054, -4.85967, t)};
 }
 
 double Lambda(double cos_w, double alpha)
@@ -127,8 +156,12 @@ double V(double cos_i, double cos_o, double alpha)
 
 double E(double cos_o, double alpha)
 {
-    static const AlbedoTable table;
-    return std::min(1.0, table.at(cos_o, alpha));
+    return std::min(1.0, albedos().at(cos_o, alpha));
+}
+
+std::array<double, albedo_columns> E_over_cosines(double alpha)
+{
+    return albedos().line(alpha);
 }
 
 }  // namespace relight::charlie

@@ -50,11 +50,14 @@ class Masking {
     /// See smith.h; w unit, w.z > 0.   Test: Gtr.MaskingIsTheIntegralOfItsDistribution
     double Lambda_cos(Vec3 w) const;
 
-  private:
     static constexpr int nodes = 512;
+    /// The table itself: ln(Lambda cos / sin^2) at asinh(cos / alpha) = i step().
+    const std::array<double, nodes>& log_ratios() const { return log_ratio_; }
+    double step() const { return step_; }
+
+  private:
     double alpha_, step_;
-    std::array<double, nodes>
-        log_ratio_{};  ///< ln(Lambda cos / sin^2) at asinh(cos / alpha) = i step
+    std::array<double, nodes> log_ratio_{};
 };
 
 }  // namespace relight::gtr

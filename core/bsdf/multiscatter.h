@@ -36,13 +36,19 @@ class MultiscatterTable {
     /// 1 - E(cos_o), all that was lost.   Kulla & Conty 2017
     Rgb f_ms(double cos_i, double cos_o, Rgb F_avg) const;
 
+    static constexpr int nodes = 48;
+    /// The table itself: E at the cosines scale() sinh(reach() t^2), t = i / (nodes - 1), which
+    /// crowd at grazing.
+    const std::array<double, nodes>& E_at_nodes() const { return E_; }
+    double scale() const { return scale_; }
+    double reach() const { return reach_; }
+
   private:
     double cosine(double place) const;  ///< of a place among the nodes, 0 .. nodes - 1
 
-    static constexpr int nodes = 48;
-    double scale_;                   ///< cosine over which E turns: the width of the lobe
-    double reach_;                   ///< asinh(1 / scale)
-    std::array<double, nodes> E_{};  ///< E at the places; they crowd at grazing
+    double scale_;  ///< cosine over which E turns: the width of the lobe
+    double reach_;  ///< asinh(1 / scale)
+    std::array<double, nodes> E_{};
     double E_avg_ = 1.0;
 };
 

@@ -118,8 +118,9 @@ void check_ambient_occlusion(Cases& cases)
     for (std::size_t i = 0; i < places.size(); ++i) {
         const double open = 0.5 * (1.0 + std::cos(std::atan(2.0 / places[i].p.x)));
         const double error = std::sqrt(open * (1.0 - open) / samples);
-        cases.drawn(names[i], "(1 + cos gamma) / 2, tan gamma = H / d", open,
-                    {static_cast<double>(transport.ambient_occlusion[meters.first + i]), error});
+        cases.drawn(
+            names[i], "(1 + cos gamma) / 2, tan gamma = H / d", open,
+            {static_cast<double>(transport.sky->ambient_occlusion[meters.first + i]), error});
     }
 }
 
@@ -154,7 +155,7 @@ void check_standard_error(Cases& cases)
     double within = 0.0;
     for (scene.transport.seed = 0; scene.transport.seed < seeds; ++scene.transport.seed) {
         const Column part =
-            column(meters.stage, scene, 0, false, meters.first, meters.first + meters.count);
+            column(meters.stage, scene, 0, meters.first, meters.first + meters.count);
         for (std::size_t i = 0; i < meters.count; ++i) {
             const double x = places[i].p.x, y = places[i].p.y;
             const double E = factor(1 - x, 1 - y) + factor(1 - x, 1 + y) - factor(-2 * x, 1 - y) -

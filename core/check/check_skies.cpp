@@ -116,7 +116,7 @@ void check_harmonics(Cases& cases)
     Progress unseen;
     const Transport transport = trace(meter.stage, lit_by({}), {.sh = true, .threads = 1}, unseen);
     const auto T = [&](std::size_t k) {
-        return static_cast<double>(transport.sh[9 * meter.first + k]);
+        return static_cast<double>(transport.sky->sh[9 * meter.first + k]);
     };
     cases.relative("open plane lets in the constant harmonic", "T_00 = sqrt(pi) / 2",
                    0.5 * std::sqrt(pi), T(0));

@@ -146,8 +146,7 @@ double read_alone(const Light& light, Meter meter)
 
 std::vector<Bounced> read_column(const Meters& meters, const Scene& scene)
 {
-    const Column part =
-        column(meters.stage, scene, 0, false, meters.first, meters.first + meters.count);
+    const Column part = column(meters.stage, scene, 0, meters.first, meters.first + meters.count);
     const double power = scene.lights[0].power.r;
     const auto red = [&](const std::vector<float>& values, std::size_t i) {
         const std::size_t bands = values.size() / meters.count;

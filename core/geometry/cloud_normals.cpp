@@ -5,10 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <numeric>
+#include <utility>
+
+#include "core/geometry/filled.h"
+#include "core/geometry/radix.h"
 
 namespace relight {
 namespace {
+
+constexpr std::size_t block = 4096;  // points
 
 using Matrix3 = std::array<std::array<double, 3>, 3>;
 
@@ -17,7 +22,7 @@ void rotate(Matrix3& a, Matrix3& v, std::size_t p, std::size_t q)
 {
     if (a[p][q] == 0.0) { return; }
     const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::hypot(theta, 1.0));
+    const double t = std::copysign(1.0, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1.0));
     const double c = 1.0 / std::sqrt(t * t + 1.0);
     const double s = t * c;
     const auto turn = [c, s](double& x, double& y) {
@@ -103,9 +108,16 @@ class Parts {
         bool opposed;
     };
 
-    explicit Parts(std::size_t count) : parent_(count), size_(count, 1), opposed_(count, 0)
+    Parts(std::size_t count, unsigned threads, Progress& progress)
+        : parent_(filled<std::uint32_t>(count, progress)),
+          size_(filled<std::uint32_t>(count, progress, 1)),
+          opposed_(filled<std::uint8_t>(count, progress))
     {
-        std::iota(parent_.begin(), parent_.end(), 0U);
+        parallel_for(count, block, threads, progress, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                parent_[i] = static_cast<std::uint32_t>(i);
+            }
+        });
     }
     Place find(std::uint32_t i)
     {
@@ -118,6 +130,12 @@ class Parts {
             i = parent_[i];
         }
         return {i, opposed};
+    }
+    /// find() that leaves everything as it is: many may ask at once.
+    std::uint32_t root(std::uint32_t i) const
+    {
+        while (parent_[i] != i) { i = parent_[i]; }
+        return i;
     }
     /// Joins two different parts whose roots agree or do not.
     void join(std::uint32_t a, std::uint32_t b, bool opposed)
@@ -133,40 +151,105 @@ class Parts {
     std::vector<std::uint8_t> opposed_;
 };
 
-/// Kruskal's minimum spanning tree over the neighbours, cheapest steps first.
-Parts agree(std::span<const Point3> points, const Neighbours& neighbours,
-            const std::vector<Dir3>& normals, const Progress& progress)
-{
-    // Cost and place of each edge in one number: equal costs go by place. Neighbours both ways
-    // count once.
-    constexpr unsigned place_bits = 40;
-    constexpr double finest = 1 << 22;  // costs up to 3 in 24 bits
-    std::vector<std::uint64_t> edges;
-    edges.reserve(Neighbours::most * points.size() * 5 / 8);  // most are both ways
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
+// An edge of the neighbours' graph in one number: its cost (up to 3) in the highest 24 bits, then
+// its place (point * most + which neighbour; equal costs go by place), then whether the two normals
+// are opposed.
+constexpr unsigned cost_at = 40;
+constexpr double finest_cost = 1 << 22;
+
+constexpr std::uint64_t highest_cost = (std::uint64_t{1} << (64 - cost_at)) - 1;
+
+/// What neighbours_of() and across() found.
+struct Graph {
+    std::span<const Point3> points;
+    const Neighbours& neighbours;
+    const std::vector<Dir3>& normals;
+
+    /// Calls take(edge) for those of a point, neighbours both ways once, that wanted(i, j).
+    template <class Wanted, class Take>
+    void edges(std::size_t i, const Wanted& wanted, const Take& take) const
+    {
         const auto around = neighbours.of(i);
         for (std::size_t k = 0; k < around.size() && normals[i]; ++k) {
             const std::uint32_t j = around[k];
+            if (!normals[j] || !wanted(static_cast<std::uint32_t>(i), j)) { continue; }
             const auto back = neighbours.of(j);
-            if (!normals[j] || (j < i && std::find(back.begin(), back.end(), i) != back.end())) {
-                continue;
-            }
-            const double cost = step(points[j] - points[i], normals[i], normals[j]).cost;
-            edges.push_back(static_cast<std::uint64_t>(cost * finest) << place_bits |
-                            (std::uint64_t{i} * Neighbours::most + k));
+            if (j < i && std::find(back.begin(), back.end(), i) != back.end()) { continue; }
+            const auto [cost, opposed] = step(points[j] - points[i], normals[i], normals[j]);
+            take(static_cast<std::uint64_t>(cost * finest_cost) << cost_at |
+                 (i * Neighbours::most + k) << 1 | (opposed ? 1 : 0));
         }
     }
-    std::sort(edges.begin(), edges.end());
-    Parts parts(points.size());
-    for (const std::uint64_t edge : edges) {
-        if (progress.stopped()) { break; }
-        const std::uint64_t place = edge & ((std::uint64_t{1} << place_bits) - 1);
-        const auto i = static_cast<std::uint32_t>(place / Neighbours::most);
-        const std::uint32_t j = neighbours.of(i)[place % Neighbours::most];
-        const Parts::Place a = parts.find(i), b = parts.find(j);
-        if (a.root == b.root) { continue; }
-        const bool opposed = step(points[j] - points[i], normals[i], normals[j]).opposed;
-        parts.join(a.root, b.root, (a.opposed != b.opposed) != opposed);
+};
+
+/// The cost that half of the edges have at most, of a sample.
+std::uint64_t middling_cost(const Graph& graph)
+{
+    constexpr std::size_t sampled = 61;  // every so many points
+    std::vector<std::uint64_t> costs;
+    for (std::size_t i = 0; i < graph.points.size(); i += sampled) {
+        graph.edges(
+            i, [](std::uint32_t, std::uint32_t) { return true; },
+            [&](std::uint64_t edge) { costs.push_back(edge >> cost_at); });
+    }
+    if (costs.empty()) { return 0; }
+    const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
+    std::nth_element(costs.begin(), middle, costs.end());
+    return *middle;
+}
+
+/// Those edges between different parts that cost at most this, cheapest first. They are counted
+/// before they are written: they take more memory than all else.
+std::vector<std::uint64_t> cheapest_edges(const Graph& graph, const Parts& parts,
+                                          std::uint64_t most_cost, unsigned threads,
+                                          Progress& progress)
+{
+    const std::size_t count = graph.points.size();
+    const auto apart = [&](std::uint32_t i, std::uint32_t j) {
+        return parts.root(i) != parts.root(j);
+    };
+    const auto each = [&](std::size_t begin, std::size_t end, const auto& take) {
+        for (std::size_t i = begin; i < end; ++i) {
+            graph.edges(i, apart, [&](std::uint64_t edge) {
+                if (edge >> cost_at <= most_cost) { take(edge); }
+            });
+        }
+    };
+    std::vector<std::size_t> places((count + block - 1) / block);
+    parallel_for(count, block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        std::size_t found = 0;
+        each(begin, end, [&](std::uint64_t /*edge*/) { ++found; });
+        places[begin / block] = found;
+    });
+    std::size_t before = 0;
+    for (std::size_t& place : places) { before += std::exchange(place, before); }
+    auto edges = filled<std::uint64_t>(before, progress);
+    parallel_for(count, block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        std::size_t place = places[begin / block];
+        each(begin, end, [&](std::uint64_t edge) { edges[place++] = edge; });
+    });
+    auto sorted = filled<std::uint64_t>(edges.size(), progress);
+    sort_by_highest_30_bits(edges, sorted, threads, progress);
+    return sorted;
+}
+
+/// Kruskal's minimum spanning tree over the neighbours, cheapest steps first. In two halves: of the
+/// second, few edges still join anything.
+Parts agree(const Graph& graph, unsigned threads, Progress& progress)
+{
+    Parts parts(graph.points.size(), threads, progress);
+    if (progress.stopped()) { return parts; }
+    for (const std::uint64_t most_cost : {middling_cost(graph), highest_cost}) {
+        for (const std::uint64_t edge :
+             cheapest_edges(graph, parts, most_cost, threads, progress)) {
+            if (progress.stopped()) { return parts; }
+            const std::uint64_t place = edge % (std::uint64_t{1} << cost_at) >> 1;
+            const auto i = static_cast<std::uint32_t>(place / Neighbours::most);
+            const Parts::Place a = parts.find(i);
+            const Parts::Place b = parts.find(graph.neighbours.of(i)[place % Neighbours::most]);
+            if (a.root == b.root) { continue; }
+            parts.join(a.root, b.root, (a.opposed != b.opposed) != ((edge & 1) != 0));
+        }
     }
     return parts;
 }
@@ -207,27 +290,33 @@ struct Part {
 };
 
 void turn_outward(std::span<const Point3> points, std::span<const float> spacing, Parts& parts,
-                  std::vector<Dir3>& normals)
+                  const Progress& progress, std::vector<Dir3>& normals)
 {
-    std::vector<std::uint32_t> number(points.size());  // of the part, at its root
+    const auto each = [&](const auto& body) {
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            if (i % block == 0 && progress.stopped()) { return; }
+            body(i);
+        }
+    };
+    auto number = filled<std::uint32_t>(points.size(), progress);  // of the part, at its root
     std::vector<Part> sums;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
-        if (parts.find(i).root != i) { continue; }
+    each([&](std::uint32_t i) {
+        if (parts.find(i).root != i) { return; }
         number[i] = static_cast<std::uint32_t>(sums.size());
         sums.emplace_back();
-    }
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
+    });
+    each([&](std::uint32_t i) {
         const auto [root, opposed] = parts.find(i);
         if (opposed) { normals[i] = -normals[i]; }
         const auto s = static_cast<double>(spacing[i]);
         sums[number[root]].add(points[i] - points[root], normals[i], s * s);
-    }
+    });
     std::vector<bool> inside_out(sums.size());
     std::transform(sums.begin(), sums.end(), inside_out.begin(),
                    [](const Part& part) { return part.is_inside_out(); });
-    for (std::uint32_t i = 0; i < points.size(); ++i) {
+    each([&](std::uint32_t i) {
         if (inside_out[number[parts.find(i).root]]) { normals[i] = -normals[i]; }
-    }
+    });
 }
 
 }  // namespace
@@ -237,25 +326,24 @@ std::vector<Dir3> estimate_normals(std::span<const Point3> points, const Neighbo
                                    const std::optional<Point3>& toward, unsigned threads,
                                    Progress& progress)
 {
-    std::vector<Dir3> normals(points.size());
-    parallel_for(points.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
+    auto normals = filled<Dir3>(points.size(), progress);
+    parallel_for(points.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             normals[i] = across(points, i, neighbours.of(i));
             if (toward && dot(*toward - points[i], normals[i]) < 0.0) { normals[i] = -normals[i]; }
         }
     });
-    if (!toward && !progress.stopped()) {
-        Parts parts = agree(points, neighbours, normals, progress);
-        turn_outward(points, spacing, parts, normals);
-    }
+    if (toward) { return normals; }
+    Parts parts = agree({points, neighbours, normals}, threads, progress);
+    turn_outward(points, spacing, parts, progress, normals);
     return normals;
 }
 
 std::vector<float> cloud_bend(std::span<const Dir3> normals, const Neighbours& neighbours,
                               unsigned threads, Progress& progress)
 {
-    std::vector<float> bend(normals.size());
-    parallel_for(normals.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
+    auto bend = filled<float>(normals.size(), progress);
+    parallel_for(normals.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             double least = 1.0;  // cosine
             for (const std::uint32_t j : neighbours.of(i)) {

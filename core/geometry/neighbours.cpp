@@ -4,24 +4,24 @@
 #include <limits>
 #include <nanoflann.hpp>
 
+#include "core/geometry/filled.h"
+
 namespace relight {
 namespace {
 
-/// nanoflann's view of those of our points that are there.
+struct Stopped {};
+
+/// nanoflann's view of our points while it builds its tree. It knows no other way to stop than an
+/// exception.
 struct Cloud {
     std::span<const Point3> points;
-    std::span<const std::uint32_t> present;  // empty: all
-    std::size_t kdtree_get_point_count() const
-    {
-        return present.empty() ? points.size() : present.size();
-    }
-    std::uint32_t point(std::size_t i) const
-    {
-        return present.empty() ? static_cast<std::uint32_t>(i) : present[i];
-    }
+    const Progress& progress;
+
+    std::size_t kdtree_get_point_count() const { return points.size(); }
     double kdtree_get_pt(std::size_t i, std::size_t axis) const
     {
-        const Point3 p = points[point(i)];
+        if (progress.stopped()) { throw Stopped{}; }
+        const Point3 p = points[i];
         return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
     }
     template <class Box>
@@ -31,9 +31,26 @@ struct Cloud {
     }
 };
 
-using Tree =
-    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud, double>, Cloud,
-                                        3, std::uint32_t>;
+/// Its measure of distance: squared, straight from the points. Asked under its names, hence NOLINT.
+struct Squared {
+    using ElementType = double;
+    using DistanceType = double;
+
+    explicit Squared(const Cloud& cloud) : points(cloud.points) {}
+    double evalMetric(const double* q, std::size_t i, std::size_t /*axes*/) const  // NOLINT
+    {
+        const Vec3 d = Point3{q[0], q[1], q[2]} - points[i];
+        return dot(d, d);
+    }
+    double accum_dist(double a, double b, std::size_t /*axis*/) const  // NOLINT
+    {
+        return (a - b) * (a - b);
+    }
+
+    std::span<const Point3> points;
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<Squared, Cloud, 3, std::uint32_t>;
 
 /// The nearest of what nanoflann finds, nearest first. Unlike its own set, this one is content with
 /// as many as it holds in the very place: a million copies of a point would be walked through for
@@ -46,7 +63,7 @@ class Nearest {
     }
     std::span<const std::uint32_t> indices() const { return std::span(index_).first(count_); }
 
-    // Asked by nanoflann under its own names, hence NOLINT.
+    // These too.
     bool full() const { return count_ == wanted_; }
     double worstDist() const { return squared_[wanted_ - 1]; }  // NOLINT
     /// Whether to go on.
@@ -70,49 +87,45 @@ class Nearest {
     std::array<std::uint32_t, Neighbours::most + 1> index_{};
 };
 
-std::vector<std::uint32_t> without(std::size_t count, std::span<const std::uint32_t> absent)
+void find(std::span<const Point3> points, unsigned threads, Progress& progress, Neighbours& found)
 {
-    std::vector<std::uint32_t> present;
-    present.reserve(count - absent.size());
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (!absent.empty() && absent.front() == i) {
-            absent = absent.subspan(1);
-        } else {
-            present.push_back(i);
+    const Cloud cloud{points, progress};
+    const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+    // Points that the tree keeps together find the same neighbours: asked one after the other, they
+    // find them in the processor's cache.
+    parallel_for(points.size(), 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t at = begin; at < end; ++at) {
+            const std::uint32_t self = tree.vAcc[at];
+            const Point3 p = points[self];
+            const std::array<double, 3> query{p.x, p.y, p.z};
+            Nearest nearest(std::min(Neighbours::most + 1, points.size()));  // itself among them
+            tree.findNeighbors(nearest, query.data(), nanoflann::SearchParams());
+            const auto to = found.places(self);
+            std::size_t kept = 0;
+            for (const std::uint32_t i : nearest.indices()) {
+                // Others in its very place may have crowded it out.
+                if (i != self && kept < to.size()) { to[kept++] = i; }
+            }
         }
-    }
-    return present;
+    });
 }
 
 }  // namespace
 
-Neighbours neighbours_of(std::span<const Point3> points, std::span<const std::uint32_t> absent,
-                         unsigned threads, Progress& progress)
+Neighbours::Neighbours(std::size_t count, const Progress& progress)
+    : indices_(filled(most * count, progress, none))
 {
-    Neighbours neighbours(points.size());
-    if (points.size() < absent.size() + 2) { return neighbours; }
-    const std::vector<std::uint32_t> present =
-        absent.empty() ? std::vector<std::uint32_t>() : without(points.size(), absent);
-    const Cloud cloud{points, present};
-    const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
-    const std::size_t count = cloud.kdtree_get_point_count();
-    // Points that the tree keeps together find the same neighbours: asked one after the other, they
-    // find them in the processor's cache, whatever the order of the file.
-    parallel_for(count, 4096, threads, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t at = begin; at < end; ++at) {
-            const std::uint32_t self = tree.vAcc[at];
-            const Point3 p = points[cloud.point(self)];
-            const std::array<double, 3> query{p.x, p.y, p.z};
-            Nearest found(std::min(Neighbours::most + 1, count));  // itself among them
-            tree.findNeighbors(found, query.data(), nanoflann::SearchParams());
-            const auto to = neighbours.places(cloud.point(self));
-            std::size_t kept = 0;
-            for (const std::uint32_t i : found.indices()) {
-                // Others in its very place may have crowded it out.
-                if (i != self && kept < to.size()) { to[kept++] = cloud.point(i); }
-            }
-        }
-    });
+}
+
+Neighbours neighbours_of(std::span<const Point3> points, unsigned threads, Progress& progress)
+{
+    Neighbours neighbours(points.size(), progress);
+    if (points.size() < 2) { return neighbours; }
+    try {
+        find(points, threads, progress, neighbours);
+    } catch (const Stopped&) {
+        return neighbours;
+    }
     return neighbours;
 }
 

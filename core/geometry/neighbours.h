@@ -17,12 +17,13 @@ class Neighbours {
     static constexpr std::size_t most = 12;  ///< of a point: enough to average a scanner's noise
     static constexpr std::uint32_t none = ~0U;
 
+    Neighbours() = default;
     /// Of `count` points, still without any.
-    explicit Neighbours(std::size_t count = 0) : indices_(most * count, none) {}
+    Neighbours(std::size_t count, const Progress& progress);
 
     std::size_t count() const { return indices_.size() / most; }
 
-    /// Of a point, nearest first, as many as `most`: fewer in a smaller cloud, none where absent.
+    /// Of a point, nearest first, as many as `most`: fewer in a smaller cloud.
     std::span<const std::uint32_t> of(std::size_t point) const
     {
         const std::uint32_t* first = indices_.data() + most * point;
@@ -38,9 +39,9 @@ class Neighbours {
     std::vector<std::uint32_t> indices_;
 };
 
-/// By a k-d tree, in n log n. `absent` (ascending) are no points: they have no neighbours and are
-/// nobody's. The same points give the same answer, whatever the threads.
-Neighbours neighbours_of(std::span<const Point3> points, std::span<const std::uint32_t> absent,
-                         unsigned threads, Progress& progress);
+/// By a k-d tree, in n log n. The same points in the same order give the same answer, whatever the
+/// threads; the nearer those stand that are near in space, the sooner. Of no use once `progress` is
+/// stopped.
+Neighbours neighbours_of(std::span<const Point3> points, unsigned threads, Progress& progress);
 
 }  // namespace relight

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/geometry/filled.h"
 #include "core/geometry/tangents.h"
 
 namespace relight {
@@ -21,23 +22,38 @@ Dir3 bent_normal(Dir3 smooth, Vec3 tangent, double bitangent_sign, const Texture
     return normalize(Vec3(T) * told.x() + B * told.y() + N * std::max(told.z(), least_z));
 }
 
-void apply_normal_maps(const Mesh& mesh, Surface& surface)
+namespace {
+
+/// One vertex.
+void bend(const Mesh& mesh, std::size_t v, Surface& surface)
+{
+    const std::uint32_t group = surface.vertex_groups[v];
+    if (group == no_group || !mesh.maps[group].normal) { return; }
+    const MaterialMaps& maps = mesh.maps[group];
+    const std::vector<Uv>& uvs = maps.normal->uv_set == 1 ? mesh.uvs_1 : mesh.uvs;
+    if (uvs.empty()) { return; }
+    const auto& tangent = surface.tangents[v];
+    surface.normals[v] = bent_normal(surface.smooth_normals[v], direction_of(tangent),
+                                     static_cast<double>(tangent[3]),
+                                     mesh.textures[maps.normal->texture], maps, uvs[v]);
+}
+
+}  // namespace
+
+void apply_normal_maps(const Mesh& mesh, unsigned threads, Progress& progress, Surface& surface)
 {
     const bool any = std::any_of(mesh.maps.begin(), mesh.maps.end(),
                                  [](const MaterialMaps& maps) { return maps.normal.has_value(); });
     if (!any || surface.vertex_groups.empty() || surface.tangents.empty()) { return; }
-    surface.smooth_normals = surface.normals;
-    for (std::size_t v = 0; v < surface.normals.size(); ++v) {
-        const std::uint32_t group = surface.vertex_groups[v];
-        if (group == no_group || !mesh.maps[group].normal) { continue; }
-        const MaterialMaps& maps = mesh.maps[group];
-        const std::vector<Uv>& uvs = maps.normal->uv_set == 1 ? mesh.uvs_1 : mesh.uvs;
-        if (uvs.empty()) { continue; }
-        const auto& tangent = surface.tangents[v];
-        surface.normals[v] = bent_normal(surface.smooth_normals[v], direction_of(tangent),
-                                         static_cast<double>(tangent[3]),
-                                         mesh.textures[maps.normal->texture], maps, uvs[v]);
-    }
+    surface.smooth_normals = filled<Dir3>(surface.normals.size(), progress);
+    constexpr std::size_t block = 4096;
+    parallel_for(surface.normals.size(), block, threads, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (std::size_t v = begin; v < end; ++v) {
+                         surface.smooth_normals[v] = surface.normals[v];
+                         bend(mesh, v, surface);
+                     }
+                 });
 }
 
 }  // namespace relight

@@ -15,6 +15,6 @@ Dir3 bent_normal(Dir3 smooth, Vec3 tangent, double bitangent_sign, const Texture
 /// Bends the vertex normals of a surface by its mesh's normal maps, keeping the smooth ones in
 /// `smooth_normals`; leaves a surface without such maps as it is. A vertex has the map of its group
 /// (Surface::vertex_groups); without a tangent it stays smooth.
-void apply_normal_maps(const Mesh& mesh, Surface& surface);
+void apply_normal_maps(const Mesh& mesh, unsigned threads, Progress& progress, Surface& surface);
 
 }  // namespace relight

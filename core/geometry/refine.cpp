@@ -16,7 +16,14 @@ namespace relight {
 namespace {
 
 constexpr std::uint32_t none = 0xFFFFFFFF;
-constexpr std::size_t block = 65'536;  // triangles between two looks at Progress
+constexpr std::size_t block = 4096;  // triangles or edges between two looks at Progress
+
+struct Stopped {};
+
+void look(const Progress& progress)
+{
+    if (progress.stopped()) { throw Stopped{}; }
+}
 
 /// Halfway, of numbers whose sum a float may not hold.
 template <std::size_t N>
@@ -64,7 +71,7 @@ void append_middle(Mesh& mesh, std::uint32_t a, std::uint32_t b)
 }
 
 /// The mesh with its polygons in triangles, as prepare() splits them.
-Mesh triangulated(const Mesh& mesh)
+Mesh triangulated(const Mesh& mesh, const Progress& progress)
 {
     Mesh out = mesh;
     if (mesh.faces.offsets.empty()) { return out; }
@@ -75,6 +82,7 @@ Mesh triangulated(const Mesh& mesh)
     std::vector<unsigned> corners;  // 0, 1, 2 … of the polygon: tell apart those of one vertex
     std::vector<Triangle> triangles;
     for (std::size_t f = 0; f < mesh.faces.count(); ++f) {
+        look(progress);
         const std::size_t begin = mesh.faces.begin(f);
         polygon.clear();
         corners.clear();
@@ -127,12 +135,13 @@ std::vector<LongEdge> long_edges(const Mesh& mesh, double max_edge, const Progre
     const std::vector<std::uint32_t>& indices = mesh.faces.indices;
     std::vector<LongEdge> edges;
     for (std::size_t c = 0; c < indices.size(); ++c) {
-        if (c % block == 0 && progress.stopped()) { return {}; }
+        if (c % block == 0) { look(progress); }
         if (!(edge_length(mesh, c) > max_edge)) { continue; }
         const auto [a, b] = std::minmax(indices[c], indices[next(c)]);
         edges.push_back({a, b, static_cast<std::uint32_t>(c)});
     }
-    std::sort(edges.begin(), edges.end(), [](const LongEdge& x, const LongEdge& y) {
+    std::sort(edges.begin(), edges.end(), [&](const LongEdge& x, const LongEdge& y) {
+        look(progress);
         return std::tie(x.a, x.b, x.corner) < std::tie(y.a, y.b, y.corner);
     });
     return edges;
@@ -178,7 +187,7 @@ void split(const Mesh& mesh, const std::array<Corner, 3>& c, const std::array<Co
 }
 
 /// Halves these edges and fits their triangles in.
-void halve(Mesh& mesh, const std::vector<LongEdge>& edges)
+void halve(Mesh& mesh, const std::vector<LongEdge>& edges, const Progress& progress)
 {
     const Faces before = std::move(mesh.faces);
     const std::vector<Uv> uvs = std::move(mesh.corner_uvs);
@@ -189,6 +198,7 @@ void halve(Mesh& mesh, const std::vector<LongEdge>& edges)
 
     std::vector<std::uint32_t> middles(before.indices.size(), none);  // by corner
     for (std::size_t e = 0; e < edges.size(); ++e) {
+        if (e % block == 0) { look(progress); }
         if (e == 0 || !edges[e].same_as(edges[e - 1])) {
             append_middle(mesh, edges[e].a, edges[e].b);
         }
@@ -199,6 +209,7 @@ void halve(Mesh& mesh, const std::vector<LongEdge>& edges)
     mesh.corner_uvs.reserve(uvs.empty() ? 0 : 3 * faces);
     mesh.face_materials.reserve(materials.empty() ? 0 : faces);
     for (std::size_t f = 0; f < before.count(); ++f) {
+        if (f % block == 0) { look(progress); }
         std::array<Corner, 3> corners, halves;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t c = 3 * f + k;
@@ -220,11 +231,12 @@ void halve(Mesh& mesh, const std::vector<LongEdge>& edges)
 
 /// Triangles that it takes at least: an edge of length L is that of L / max_edge of them, and none
 /// has more area than the equilateral one. Cut at the largest number there is.
-std::uint64_t least_faces(const Mesh& mesh, double max_edge)
+std::uint64_t least_faces(const Mesh& mesh, double max_edge, const Progress& progress)
 {
     const double largest_area = 0.25 * std::sqrt(3.0) * max_edge * max_edge;
     double least = 0.0;
     for (std::size_t c = 0; c + 2 < mesh.faces.indices.size(); c += 3) {
+        if (c % block == 0) { look(progress); }
         const auto corner = [&](std::size_t k) {
             return mesh.positions[mesh.faces.indices[c + k]];
         };
@@ -269,32 +281,29 @@ std::optional<Error> too_many(Fault fault, std::uint64_t count, const std::strin
                  {}};
 }
 
-}  // namespace
-
-Result<Mesh> refine(const Mesh& mesh, double max_edge, std::uint64_t most_vertices,
-                    std::uint64_t most_faces, Progress& progress)
+/// refine(), which throws Stopped.
+Result<Mesh> refined(const Mesh& mesh, double max_edge, std::uint64_t most_vertices,
+                     std::uint64_t most_faces, const Progress& progress)
 {
     most_vertices = std::min<std::uint64_t>(most_vertices, none);
     most_faces = std::min<std::uint64_t>(most_faces, none / 3);
-    const auto cancelled = [] {
-        return Error{Fault::Cancelled, "refining was stopped", {}, {}, {}};
-    };
-    Mesh out = triangulated(mesh);
+    Mesh out = triangulated(mesh, progress);
     double longest = 0.0;
     for (std::size_t c = 0; c < out.faces.indices.size(); ++c) {
+        if (c % block == 0) { look(progress); }
         longest = std::max(longest, edge_length(out, c));
     }
     if (!(longest > max_edge)) { return mesh; }
     out.pieces.clear();  // new vertices belong to none
-    if (auto error = too_many(Fault::TooManyFaces, least_faces(out, max_edge), "faces", most_faces,
-                              max_edge)) {
+    if (auto error = too_many(Fault::TooManyFaces, least_faces(out, max_edge, progress), "faces",
+                              most_faces, max_edge)) {
         return std::move(*error);
     }
 
     int rounds = 0;
     for (const int most = most_rounds(longest, max_edge); rounds < most; ++rounds) {
         const std::vector<LongEdge> edges = long_edges(out, max_edge, progress);
-        if (progress.stopped()) { return cancelled(); }
+        look(progress);
         if (edges.empty()) { break; }
         std::uint64_t middles = 1;
         for (std::size_t e = 1; e < edges.size(); ++e) {
@@ -308,7 +317,7 @@ Result<Mesh> refine(const Mesh& mesh, double max_edge, std::uint64_t most_vertic
                                   most_faces, max_edge)) {
             return std::move(*error);
         }
-        halve(out, edges);
+        halve(out, edges, progress);
     }
     out.notes.push_back("refined: edges longer than " + shown(max_edge) + " were halved in " +
                         std::to_string(rounds) + " rounds; " +
@@ -317,6 +326,18 @@ Result<Mesh> refine(const Mesh& mesh, double max_edge, std::uint64_t most_vertic
                         std::to_string(mesh.faces.count()) + " faces " +
                         std::to_string(out.faces.count()) + " triangles");
     return out;
+}
+
+}  // namespace
+
+Result<Mesh> refine(const Mesh& mesh, double max_edge, std::uint64_t most_vertices,
+                    std::uint64_t most_faces, Progress& progress)
+{
+    try {
+        return refined(mesh, max_edge, most_vertices, most_faces, progress);
+    } catch (const Stopped&) {
+        return Error{Fault::Cancelled, "refining was stopped", {}, {}, {}};
+    }
 }
 
 }  // namespace relight

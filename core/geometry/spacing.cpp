@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/filled.h"
+
 namespace relight {
 namespace {
 
@@ -23,7 +25,7 @@ std::vector<float> cloud_spacing(std::span<const Point3> points, const Neighbour
                                  unsigned threads, Progress& progress)
 {
     constexpr std::size_t block = 4096;
-    std::vector<float> density(points.size());  // as the neighbours' number says
+    auto density = filled<float>(points.size(), progress);  // as the neighbours' number says
     parallel_for(points.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto near = nearest(neighbours, i);
@@ -33,7 +35,7 @@ std::vector<float> cloud_spacing(std::span<const Point3> points, const Neighbour
                 static_cast<float>(length(points[near.back()] - points[i]) * std::sqrt(per_area));
         }
     });
-    std::vector<float> spacing(points.size());
+    auto spacing = filled<float>(points.size(), progress);
     parallel_for(points.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         std::array<float, counted> around{};
         for (std::size_t i = begin; i < end; ++i) {

@@ -1,12 +1,18 @@
 #include "core/geometry/surface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <mutex>
+#include <span>
 
 #include "core/geometry/cloud_normals.h"
+#include "core/geometry/filled.h"
+#include "core/geometry/from_faces.h"
+#include "core/geometry/morton.h"
 #include "core/geometry/normal_map.h"
+#include "core/geometry/ordered_cloud.h"
 #include "core/geometry/polygon.h"
 #include "core/geometry/spacing.h"
 #include "core/geometry/tangents.h"
@@ -14,15 +20,24 @@
 namespace relight {
 namespace {
 
-Bounds bounds_of(const std::vector<Point3>& positions)
+constexpr std::size_t block = 16'384;  // vertices or faces between two looks at Progress
+
+Bounds bounds_of(const std::vector<Point3>& positions, unsigned threads, Progress& progress)
 {
     if (positions.empty()) { return {}; }
-    Bounds b{positions[0], positions[0]};
-    for (const Point3 p : positions) {
-        b.min = {std::min(b.min.x, p.x), std::min(b.min.y, p.y), std::min(b.min.z, p.z)};
-        b.max = {std::max(b.max.x, p.x), std::max(b.max.y, p.y), std::max(b.max.z, p.z)};
+    Bounds whole{positions[0], positions[0]};
+    std::vector<Bounds> parts((positions.size() + block - 1) / block, whole);
+    parallel_for(positions.size(), block, threads, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                     Bounds part = whole;
+                     for (std::size_t i = begin; i < end; ++i) { part.add(positions[i]); }
+                     parts[begin / block] = part;
+                 });
+    for (const Bounds& part : parts) {
+        whole.add(part.min);
+        whole.add(part.max);
     }
-    return b;
+    return whole;
 }
 
 /// Distance between neighbouring numbers at the largest coordinate, in the precision that was
@@ -39,28 +54,42 @@ double quantum_of(const Mesh& mesh, const Bounds& b)
            static_cast<double>(as_float);
 }
 
-void triangulate_faces(const Mesh& mesh, Surface& surface)
+void triangulate_faces(const Mesh& mesh, unsigned threads, Progress& progress, Surface& surface)
 {
     const Faces& faces = mesh.faces;
     if (faces.offsets.empty()) {
-        surface.triangles.resize(faces.count());
-        for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-            surface.triangles[f] = {faces.indices[3 * f], faces.indices[3 * f + 1],
-                                    faces.indices[3 * f + 2]};
-        }
+        surface.triangles = filled<Triangle>(faces.count(), progress);
+        parallel_for(faces.count(), block, threads, progress,
+                     [&](std::size_t begin, std::size_t end) {
+                         for (std::size_t f = begin; f < end; ++f) {
+                             surface.triangles[f] = {faces.indices[3 * f], faces.indices[3 * f + 1],
+                                                     faces.indices[3 * f + 2]};
+                         }
+                     });
         return;
     }
-    std::uint64_t fans = 0;
+    // A polygon of n corners gives n - 2 triangles: so it is known where they go.
+    const auto first_of = [&](std::size_t f) { return faces.begin(f) - 2 * f; };
     const std::size_t triangles = faces.indices.size() - 2 * faces.count();
-    surface.triangles.reserve(triangles);
-    surface.triangle_face.reserve(triangles);
-    for (std::size_t f = 0; f < faces.count(); ++f) {
-        const std::span corners(faces.indices.data() + faces.begin(f),
-                                faces.end(f) - faces.begin(f));
-        if (!triangulate(mesh.positions, corners, surface.triangles)) { ++fans; }
-        surface.intake.polygons_triangulated += corners.size() > 3 ? 1 : 0;
-        surface.triangle_face.resize(surface.triangles.size(), static_cast<std::uint32_t>(f));
-    }
+    surface.triangles = filled<Triangle>(triangles, progress);
+    surface.triangle_face = filled<std::uint32_t>(triangles, progress);
+    std::atomic<std::uint64_t> fans = 0, polygons = 0;
+    constexpr std::size_t polygons_at_once = 64;  // each of up to `most_corners_clipped` corners
+    parallel_for(faces.count(), polygons_at_once, threads, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                     std::vector<Triangle> split;
+                     for (std::size_t f = begin; f < end; ++f) {
+                         const std::span corners(faces.indices.data() + faces.begin(f),
+                                                 faces.end(f) - faces.begin(f));
+                         split.clear();
+                         if (!triangulate(mesh.positions, corners, split)) { ++fans; }
+                         if (corners.size() > 3) { ++polygons; }
+                         std::copy(split.begin(), split.end(), &surface.triangles[first_of(f)]);
+                         std::fill_n(&surface.triangle_face[first_of(f)], split.size(),
+                                     static_cast<std::uint32_t>(f));
+                     }
+                 });
+    surface.intake.polygons_triangulated = polygons;
     if (fans > 0) {
         surface.intake.notes.push_back(std::to_string(fans) + " concave polygons of more than " +
                                        std::to_string(most_corners_clipped) +
@@ -69,11 +98,13 @@ void triangulate_faces(const Mesh& mesh, Surface& surface)
 }
 
 /// Surface::vertex_groups.
-std::vector<std::uint32_t> vertex_groups_of(const Mesh& mesh)
+std::vector<std::uint32_t> vertex_groups_of(const Mesh& mesh, const Progress& progress)
 {
     if (mesh.maps.empty() || mesh.face_materials.empty()) { return {}; }
-    std::vector<std::uint32_t> groups(mesh.positions.size(), no_group);
+    auto groups = filled(mesh.positions.size(), progress, no_group);
+    if (progress.stopped()) { return groups; }
     for (std::size_t face = 0; face < mesh.faces.count(); ++face) {
+        if (face % block == 0 && progress.stopped()) { break; }
         for (std::size_t c = mesh.faces.begin(face); c < mesh.faces.end(face); ++c) {
             std::uint32_t& group = groups[mesh.faces.indices[c]];
             if (group == no_group) { group = mesh.face_materials[face]; }
@@ -82,56 +113,27 @@ std::vector<std::uint32_t> vertex_groups_of(const Mesh& mesh)
     return groups;
 }
 
-/// Angle-weighted normals (Thürmer and Wüthrich 1998), shortest edges, and which vertices are used:
-/// one pass over the triangles in their order.
-struct FromFaces {
-    std::vector<Vec3> normals;
-    std::vector<float> shortest_edge;
-    std::vector<std::uint8_t> used;
-};
-
-/// A sphere's worth of volume for a surface of this area is 1 (isoperimetric quotient); a room open
-/// on one side or a scan with holes keeps most of it, a sheet has none.
-constexpr double least_enclosed = 0.01;
-
-FromFaces walk_faces(const Mesh& mesh, Surface& surface)
+/// The normals and spacing of a range of vertices, and what is to be counted of them. Estimated
+/// normals stand where they belong already.
+void settle(const Mesh& mesh, bool estimated, std::size_t first,
+            std::span<const AtVertex> from_faces, Surface& surface, Intake& counts)
 {
-    const std::size_t count = mesh.positions.size();
-    FromFaces walked{std::vector<Vec3>(count),
-                     std::vector<float>(count, std::numeric_limits<float>::infinity()),
-                     std::vector<std::uint8_t>(count, 0)};
-    const Point3 centre = surface.bounds.centre();
-    double volume6 = 0.0;
-    double area2 = 0.0;
-    for (const Triangle& t : surface.triangles) {
-        for (const unsigned v : t) { walked.used[v] = 1; }
-        const std::array<Point3, 3> p{mesh.positions[t[0]], mesh.positions[t[1]],
-                                      mesh.positions[t[2]]};
-        const std::array<Vec3, 3> edge{p[1] - p[0], p[2] - p[1], p[0] - p[2]};
-        const Vec3 doubled_area = cross(edge[0], -edge[2]);
-        const std::array<double, 3> squared{dot(edge[0], edge[0]), dot(edge[1], edge[1]),
-                                            dot(edge[2], edge[2])};
-        const double longest = std::max({squared[0], squared[1], squared[2]});
-        const double area = std::sqrt(dot(doubled_area, doubled_area));
-        if (!(area > 1e-14 * longest)) {  // collinear to within rounding: no side to be lit
-            ++surface.intake.degenerate_faces;
-            continue;
+    const bool cloud = surface.triangles.empty();
+    for (std::size_t v = first; v < first + from_faces.size(); ++v) {
+        const auto& [normal, shortest2] = from_faces[v - first];
+        const Dir3 filed = estimated || mesh.normals.empty() ? Dir3() : normalize(mesh.normals[v]);
+        const Dir3 computed = estimated ? surface.normals[v] : normalize(normal);
+        surface.normals[v] = filed ? filed : computed;
+        if (!filed && computed) {
+            ++(estimated ? counts.normals_estimated : counts.normals_computed);
         }
-        volume6 += dot(p[0] - centre, doubled_area);
-        area2 += area;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t before = (k + 2) % 3;
-            const double angle = std::atan2(area, -dot(edge[k], edge[before]));
-            walked.normals[t[k]] += doubled_area * (angle / area);
-            const auto shorter =
-                static_cast<float>(std::sqrt(std::min(squared[k], squared[before])));
-            walked.shortest_edge[t[k]] = std::min(walked.shortest_edge[t[k]], shorter);
-        }
+        if (filed && dot(filed, normal) < 0.0) { ++counts.normals_opposing; }
+        if (!surface.normals[v]) { ++counts.unlit_vertices; }
+        if (cloud) { continue; }
+        if (shortest2 == AtVertex::unused) { ++counts.unreferenced_vertices; }
+        surface.spacing[v] =
+            shortest2 < AtVertex::degenerate ? static_cast<float>(std::sqrt(shortest2)) : 0.0F;
     }
-    // 36 pi V^2 / A^3 = 8 pi V6^2 / A2^3
-    const double enclosed = 8.0 * std::numbers::pi * volume6 * volume6 / (area2 * area2 * area2);
-    surface.intake.wound_inward = volume6 < 0.0 && enclosed > least_enclosed;
-    return walked;
 }
 
 }  // namespace
@@ -139,51 +141,64 @@ FromFaces walk_faces(const Mesh& mesh, Surface& surface)
 Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress,
                 const CloudNormals& cloud_normals)
 {
-    Surface surface;
-    surface.bounds = bounds_of(mesh.positions);
-    surface.quantum = quantum_of(mesh, surface.bounds);
-    surface.intake.recentring_shift = surface.bounds.centre() - Point3{};
-    surface.intake.notes = mesh.notes;
-    triangulate_faces(mesh, surface);
-
     const std::size_t count = mesh.positions.size();
+    Surface surface;
+    Intake& intake = surface.intake;
+    surface.bounds = bounds_of(mesh.positions, threads, progress);
+    surface.quantum = quantum_of(mesh, surface.bounds);
+    surface.order = morton_order(mesh.positions, surface.bounds, threads, progress);
+    intake.recentring_shift = surface.bounds.centre() - Point3{};
+    intake.notes = mesh.notes;
+    intake.absent_points = mesh.absent.size();
+    triangulate_faces(mesh, threads, progress, surface);
+    if (progress.stopped()) { return surface; }
+
     const bool cloud = surface.triangles.empty();
-    FromFaces faces = walk_faces(mesh, surface);
-    const bool estimate = cloud && (cloud_normals.estimate || mesh.normals.empty());
-    std::vector<Dir3> estimated;
-    Neighbours neighbours;
+    const bool estimated = cloud && (cloud_normals.estimate || mesh.normals.empty());
+    OrderedCloud points;
+    std::vector<float> spacing;
+    std::vector<Dir3> normals;
     if (cloud) {
-        neighbours = neighbours_of(mesh.positions, mesh.absent, threads, progress);
-        surface.spacing = cloud_spacing(mesh.positions, neighbours, threads, progress);
-        if (estimate) {
-            estimated = estimate_normals(mesh.positions, neighbours, surface.spacing,
-                                         cloud_normals.toward, threads, progress);
-        }
+        points = ordered_cloud(mesh, surface.order, threads, progress);
+        spacing = cloud_spacing(points.positions, points.neighbours, threads, progress);
     }
-    surface.intake.absent_points = mesh.absent.size();
-    surface.normals.resize(count);
-    for (std::size_t v = 0; v < count; ++v) {
-        const Dir3 filed = estimate || mesh.normals.empty() ? Dir3() : normalize(mesh.normals[v]);
-        const Dir3 computed = estimate ? estimated[v] : normalize(faces.normals[v]);
-        surface.normals[v] = filed ? filed : computed;
-        if (estimate && computed) { ++surface.intake.normals_estimated; }
-        if (!estimate && !filed && computed) { ++surface.intake.normals_computed; }
-        if (filed && dot(filed, faces.normals[v]) < 0.0) { ++surface.intake.normals_opposing; }
-        if (!surface.normals[v]) { ++surface.intake.unlit_vertices; }
-        if (!cloud && faces.used[v] == 0) { ++surface.intake.unreferenced_vertices; }
-        if (!std::isfinite(faces.shortest_edge[v])) { faces.shortest_edge[v] = 0.0F; }
+    if (estimated) {
+        normals = estimate_normals(points.positions, points.neighbours, spacing,
+                                   cloud_normals.toward, threads, progress);
     }
+    surface.normals = filled<Dir3>(count, progress);
+    surface.spacing = filled<float>(count, progress);
+    if (cloud) { points.put(spacing, surface.spacing, threads, progress); }
+    if (estimated) { points.put(normals, surface.normals, threads, progress); }
+    const VertexRanges ranges(surface.triangles, count, threads, progress);
+    std::mutex counting;
+    const OfFaces faces =
+        sum_faces(mesh.positions, surface.triangles, surface.bounds.centre(), ranges, progress,
+                  [&](std::size_t first, std::span<const AtVertex> vertices) {
+                      Intake counts;
+                      settle(mesh, estimated, first, vertices, surface, counts);
+                      const std::lock_guard lock(counting);
+                      intake.normals_computed += counts.normals_computed;
+                      intake.normals_estimated += counts.normals_estimated;
+                      intake.normals_opposing += counts.normals_opposing;
+                      intake.unlit_vertices += counts.unlit_vertices;
+                      intake.unreferenced_vertices += counts.unreferenced_vertices;
+                  });
+    intake.degenerate_faces = faces.degenerate;
+    intake.wound_inward = faces.wound_inward;
+    if (progress.stopped()) { return surface; }
     for (const std::uint32_t v : mesh.absent) {
-        if (surface.normals[v]) { ++surface.intake.unlit_vertices; }
+        if (surface.normals[v]) { ++intake.unlit_vertices; }
         surface.normals[v] = {};
     }
-    surface.vertex_groups = vertex_groups_of(mesh);
-    surface.tangents = tangents_of(mesh, surface);
-    apply_normal_maps(mesh, surface);
+    surface.vertex_groups = vertex_groups_of(mesh, progress);
+    surface.tangents = tangents_of(mesh, surface, ranges, progress);
+    apply_normal_maps(mesh, threads, progress, surface);
     if (cloud) {
-        surface.bend = cloud_bend(surface.normals, neighbours, threads, progress);
-    } else {
-        surface.spacing = std::move(faces.shortest_edge);
+        const std::vector<float> bend = cloud_bend(points.taken(surface.normals, threads, progress),
+                                                   points.neighbours, threads, progress);
+        surface.bend = filled<float>(count, progress);
+        points.put(bend, surface.bend, threads, progress);
     }
     return surface;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -35,6 +36,12 @@ struct Intake {
 
 struct Bounds {
     Point3 min, max;
+
+    void add(Point3 p)
+    {
+        min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+        max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
+    }
     Point3 centre() const { return min + (max - min) * 0.5; }
     double diagonal() const { return length(max - min); }
 };
@@ -62,6 +69,9 @@ struct Surface {
     /// V, clouds only: sine of twice the angle by which the normals turn from a point to its
     /// neighbours (1: a right angle or more). So far beyond a silhouette its disc may show.
     std::vector<float> bend;
+    /// V: every vertex once, along a Morton curve (morton.h): near in space, near in the order.
+    /// Work that looks around each vertex goes in this order, whatever the file's.
+    std::vector<std::uint32_t> order;
     Bounds bounds;
     double quantum = 0.0;  ///< coarsest step of the coordinates as filed, scene units
     Intake intake;

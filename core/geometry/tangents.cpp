@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/filled.h"
+
 namespace relight {
 namespace {
 
@@ -80,44 +82,60 @@ std::array<float, 4> tangent(Dir3 along_u, double sign)
             static_cast<float>(along_u.z()), static_cast<float>(std::copysign(1.0, sign))};
 }
 
-/// Tangents of the texture coordinates; zero where there are none.
-std::vector<std::array<float, 4>> computed(const Mesh& mesh, const Surface& surface)
+/// Of a vertex with normal n and this sum over its triangles; zero: none.
+std::array<float, 4> computed(const Along& sum, Dir3 n)
 {
-    std::vector<std::array<float, 4>> tangents(mesh.positions.size());
-    if (mesh.uvs.empty() && mesh.uvs_1.empty() && mesh.corner_uvs.empty()) { return tangents; }
-    std::vector<Along> sums(mesh.positions.size());
-    for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-        const Triangle& t = surface.triangles[i];
-        const Point3 a = mesh.positions[t[0]];
-        const Along one =
-            along(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a, uvs_of(mesh, surface, i));
-        for (const unsigned v : t) { sums[v] += one; }
-    }
     // Mirrored halves that meet cancel; what their roundings leave over is no direction.
     constexpr double least_agreement = 1e-6;
-    for (std::size_t v = 0; v < sums.size(); ++v) {
-        const Dir3 n = surface.normals[v];
-        const Vec3 in_plane = sums[v].u - Vec3(n) * dot(sums[v].u, n);
-        if (!n || !(length(in_plane) > least_agreement * sums[v].area)) { continue; }
-        tangents[v] = tangent(normalize(in_plane), dot(sums[v].up, n));
-    }
-    return tangents;
+    const Vec3 in_plane = sum.u - Vec3(n) * dot(sum.u, n);
+    if (!n || !(length(in_plane) > least_agreement * sum.area)) { return {}; }
+    return tangent(normalize(in_plane), dot(sum.up, n));
+}
+
+/// The filed tangent, upright on the normal; one that points nowhere leaves the computed one.
+std::array<float, 4> filed(const std::array<float, 4>& file, Dir3 n,
+                           const std::array<float, 4>& computed)
+{
+    const Vec3 along_u = direction_of(file);
+    const Dir3 x = normalize(along_u - Vec3(n) * dot(along_u, n));
+    return n && x ? tangent(x, static_cast<double>(file[3])) : computed;
 }
 
 }  // namespace
 
-std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface)
+std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface,
+                                              const VertexRanges& ranges, const Progress& progress)
 {
-    const bool none =
-        mesh.tangents.empty() && mesh.uvs.empty() && mesh.uvs_1.empty() && mesh.corner_uvs.empty();
-    if (surface.triangles.empty() || none) { return {}; }
-    std::vector<std::array<float, 4>> tangents = computed(mesh, surface);
-    for (std::size_t v = 0; v < mesh.tangents.size(); ++v) {
-        const Vec3 filed = direction_of(mesh.tangents[v]);
-        const Dir3 n = surface.normals[v];
-        const Dir3 x = normalize(filed - Vec3(n) * dot(filed, n));
-        if (n && x) { tangents[v] = tangent(x, static_cast<double>(mesh.tangents[v][3])); }
-    }
+    const bool from_uvs = !mesh.uvs.empty() || !mesh.uvs_1.empty() || !mesh.corner_uvs.empty();
+    if (surface.triangles.empty() || (mesh.tangents.empty() && !from_uvs)) { return {}; }
+    auto tangents = filled<std::array<float, 4>>(mesh.positions.size(), progress);
+    ranges.each([&](const VertexRanges::Range& range) {
+        auto sums = filled<Along>(range.size(), progress);
+        for (const std::uint32_t b : range.blocks) {
+            if (!from_uvs || progress.stopped()) { break; }
+            const std::size_t first = b * VertexRanges::block;
+            const std::size_t last =
+                std::min(first + VertexRanges::block, surface.triangles.size());
+            for (std::size_t i = first; i < last; ++i) {
+                const Triangle& t = surface.triangles[i];
+                if (std::none_of(t.begin(), t.end(), [&](unsigned v) { return range.has(v); })) {
+                    continue;
+                }
+                const Point3 a = mesh.positions[t[0]];
+                const Along one = along(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a,
+                                        uvs_of(mesh, surface, i));
+                for (const unsigned v : t) {
+                    if (range.has(v)) { sums[v - range.begin] += one; }
+                }
+            }
+        }
+        if (progress.stopped()) { return; }
+        for (std::size_t v = range.begin; v < range.end; ++v) {
+            const Dir3 n = surface.normals[v];
+            tangents[v] = computed(sums[v - range.begin], n);
+            if (!mesh.tangents.empty()) { tangents[v] = filed(mesh.tangents[v], n, tangents[v]); }
+        }
+    });
     return tangents;
 }
 

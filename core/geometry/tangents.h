@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/geometry/surface.h"
+#include "core/geometry/vertex_ranges.h"
 
 namespace relight {
 
@@ -14,7 +15,9 @@ namespace relight {
 ///
 /// The sign is that of glTF's bitangents, which run up the picture while v runs down: +1 where the
 /// picture reads the right way round from the side that the normal is on, -1 where it is mirrored.
-std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface);
+/// @param ranges of the surface's vertices
+std::vector<std::array<float, 4>> tangents_of(const Mesh& mesh, const Surface& surface,
+                                              const VertexRanges& ranges, const Progress& progress);
 
 /// What a surface's tangent holds.
 inline Vec3 direction_of(const std::array<float, 4>& tangent)

@@ -19,8 +19,12 @@ Column column(Scalar type, std::vector<std::string> names, Value value)
     return {type, std::move(names),
             [value](std::size_t first, std::size_t n, char* out, std::size_t stride) {
                 for (std::size_t i = first; i < first + n; ++i, out += stride) {
+                    // One by one: an array put together in memory and read back at once waits for
+                    // its stores, which takes twice as long.
                     const auto numbers = value(i);
-                    std::memcpy(out, &numbers, sizeof(numbers));
+                    for (std::size_t k = 0; k < numbers.size(); ++k) {
+                        std::memcpy(out + k * sizeof(numbers[k]), &numbers[k], sizeof(numbers[k]));
+                    }
                 }
             }};
 }
@@ -56,11 +60,24 @@ std::array<float, 3> as_floats(Vec3 v)
     return to_float(Rgb{v.x, v.y, v.z});
 }
 
+Column position_column(const Mesh& mesh)
+{
+    const std::vector<std::string> names = {"x", "y", "z"};
+    if (mesh.double_positions) {
+        return column(Scalar::F64, names, [&mesh](std::size_t i) {
+            const Point3 p = filed_position(mesh, i);
+            return std::array{p.x, p.y, p.z};
+        });
+    }
+    return column(Scalar::F32, names,
+                  [&mesh](std::size_t i) { return as_floats(filed_position(mesh, i) - Point3{}); });
+}
+
 Column color_column(const LitMesh& lit)
 {
     const std::vector<std::string> names = {"red", "green", "blue"};
     if (!lit.color.empty()) {
-        return column(Scalar::U8, names, [lit](std::size_t i) { return lit.color[i]; });
+        return column(Scalar::U8, names, [color = lit.color](std::size_t i) { return color[i]; });
     }
     std::vector<Rgb8> codes = codes_of(lit.mesh.colors);
     if (!codes.empty()) {
@@ -76,14 +93,7 @@ std::vector<Column> columns_of(const LitMesh& lit)
 {
     const Mesh& mesh = lit.mesh;
     std::vector<Column> columns;
-    if (mesh.double_positions) {
-        columns.push_back(column(Scalar::F64, {"x", "y", "z"},
-                                 [&mesh](std::size_t i) { return filed_position(mesh, i); }));
-    } else {
-        columns.push_back(column(Scalar::F32, {"x", "y", "z"}, [&mesh](std::size_t i) {
-            return as_floats(filed_position(mesh, i) - Point3{});
-        }));
-    }
+    columns.push_back(position_column(mesh));
     if (!lit.normals.empty()) {
         columns.push_back(column(Scalar::F32, {"nx", "ny", "nz"},
                                  [n = lit.normals](std::size_t i) { return as_floats(n[i]); }));

@@ -20,7 +20,8 @@ struct Column {
     std::size_t size() const { return names.size() * size_of(type); }
 };
 
-/// Everything of a vertex that is written, in the order of the record. Refers to `lit`.
+/// Everything of a vertex that is written, in the order of the record. Refers to the mesh and the
+/// spans of `lit`.
 std::vector<Column> columns_of(const LitMesh& lit);
 
 }  // namespace relight::ply

@@ -53,18 +53,26 @@ std::uint64_t take_triangles(std::span<const std::byte> bytes, const Element& fa
     // A negative int reads as 2^31 and more: out of range as well, as long as there are fewer
     // vertices.
     const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(vertices, 1U << 31U));
+    constexpr std::uint64_t cached = 1024;  // faces whose zeros are still there when they are read
+    static_assert(block % cached == 0);
     std::vector<std::uint32_t>& indices = mesh.faces.indices;
-    indices.resize(3 * most);
-    std::uint64_t f = 0;
+    indices.reserve(3 * most);
     const std::byte* record = bytes.data() + before;
-    for (std::uint32_t* out = indices.data(); f < most; ++f, record += stride, out += 3) {
-        if (f % block == 0 && progress.stopped()) { break; }
-        std::memcpy(out, record + 1, sizeof(Triangle));
-        const bool good = std::max({out[0], out[1], out[2]}) < end;
-        if (*record != std::byte{3} || !good) { break; }
+    for (std::uint64_t f = 0; f < most;) {
+        if (f % block == 0 && progress.stopped()) { return f; }
+        const std::uint64_t next = std::min(most, f + cached);
+        indices.resize(3 * next);
+        for (std::uint32_t* out = indices.data() + 3 * f; f < next;
+             ++f, record += stride, out += 3) {
+            std::memcpy(out, record + 1, sizeof(Triangle));
+            const bool good = std::max({out[0], out[1], out[2]}) < end;
+            if (*record != std::byte{3} || !good) {
+                indices.resize(3 * f);
+                return f;
+            }
+        }
     }
-    indices.resize(3 * f);
-    return f;
+    return most;
 }
 
 }  // namespace relight::ply

@@ -100,7 +100,7 @@ template <class Source>
 Result<Done> read_vertices(Source& source, const Element& vertex, VertexSink& sink, Mesh& mesh,
                            Progress& progress)
 {
-    sink.resize(mesh, vertex.count);
+    sink.reserve(mesh, vertex.count);
     if constexpr (!std::is_same_v<Source, TextSource>) {
         if (const auto stride = vertex.stride()) {
             // Lists ahead of the vertices may have used up what check_counts saw.

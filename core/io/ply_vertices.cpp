@@ -120,6 +120,14 @@ Result<VertexSink> VertexSink::of(const Element& vertex)
     return sink;
 }
 
+void VertexSink::reserve(Mesh& mesh, std::size_t count) const
+{
+    mesh.positions.reserve(count);
+    if (normals_) { mesh.normals.reserve(count); }
+    if (colors_) { mesh.colors.reserve(count); }
+    if (uvs_) { mesh.uvs.reserve(count); }
+}
+
 void VertexSink::resize(Mesh& mesh, std::size_t count) const
 {
     mesh.positions.resize(count);
@@ -142,10 +150,11 @@ float VertexSink::finite_or_zero(double value)
 std::optional<VertexSink::Refusal> VertexSink::put(Mesh& mesh, std::size_t first,
                                                    std::span<const Row> rows)
 {
+    resize(mesh, first + rows.size());  // no more than this: the zeros are still in the cache
     bool good = true;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         mesh.positions[first + i] = {rows[i][0], rows[i][1], rows[i][2]};
-        good = good && is_placed(mesh.positions[first + i]);
+        good = good & is_placed(mesh.positions[first + i]);
     }
     for (std::size_t i = 0; !good && i < rows.size(); ++i) {
         const Point3 p = mesh.positions[first + i];

@@ -31,15 +31,15 @@ class VertexSink {
     /// which place_absent() is then to move.
     void allow_absent() { absent_allowed_ = true; }
 
-    /// Makes room for `count` vertices, which the file must be known to hold.
-    void resize(Mesh& mesh, std::size_t count) const;
+    /// Takes room for `count` vertices, which the file must be known to hold.
+    void reserve(Mesh& mesh, std::size_t count) const;
 
     struct Refusal {
         std::size_t row;
         Fault fault;
         std::string detail;
     };
-    /// Stores the vertices `first`, `first` + 1 ...; says which was refused first, if any.
+    /// Adds the vertices `first`, `first` + 1 ..., the next; says which was refused first, if any.
     std::optional<Refusal> put(Mesh& mesh, std::size_t first, std::span<const Row> rows);
 
     /// Notes what was left out, and decides whether float would lose positions.
@@ -49,6 +49,7 @@ class VertexSink {
     bool bind(const Element& vertex, std::span<const std::string_view> names, std::size_t slot);
     void bind_colors(const Element& vertex);
     void bind_uvs(const Element& vertex);
+    void resize(Mesh& mesh, std::size_t count) const;
     float finite_or_zero(double value);
 
     Slots slots_;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 
@@ -68,38 +67,51 @@ std::string header_of(const LitMesh& lit, const std::vector<Column>& columns,
     return out + "end_header\n";
 }
 
-/// Appends numbers as bytes.
-struct BinaryOut {
-    std::string& out;
-
-    template <class T>
-    void number(T value)
-    {
-        char bytes[sizeof(T)];
-        std::memcpy(bytes, &value, sizeof(T));
-        out.append(bytes, sizeof(T));
-    }
-    void end_record() {}
-};
-
-void append_vertices(std::string& out, std::size_t count, const std::vector<Column>& columns,
-                     PlyEncoding encoding)
+std::size_t stride_of(const std::vector<Column>& columns)
 {
-    constexpr std::size_t block_rows = 1024;
     std::size_t stride = 0;
     for (const Column& column : columns) { stride += column.size(); }
-    std::vector<char> rows(block_rows * stride);  // stays in the cache
-    for (std::size_t first = 0; first < count; first += block_rows) {
-        const std::size_t n = std::min(block_rows, count - first);
-        char* place = rows.data();
-        for (const Column& column : columns) {
-            column.fill(first, n, place, stride);
-            place += column.size();
-        }
-        if (encoding == PlyEncoding::BinaryLittleEndian) {
-            out.append(rows.data(), n * stride);
-            continue;
-        }
+    return stride;
+}
+
+/// Vertices [first, first + n) as binary records at `out`.
+void fill_rows(const std::vector<Column>& columns, std::size_t first, std::size_t n, char* out,
+               std::size_t stride)
+{
+    for (const Column& column : columns) {
+        column.fill(first, n, out, stride);
+        out += column.size();
+    }
+}
+
+/// Calls body(first, n) for blocks of vertices whose rows stay in the nearest cache, though each
+/// column walks over them anew, until it says false.
+template <class Body>
+void for_rows(std::size_t count, std::size_t stride, Body body)
+{
+    constexpr std::size_t block = std::size_t{1} << 14;
+    const std::size_t rows = std::clamp<std::size_t>(block / stride, 1, 1024);
+    for (std::size_t first = 0; first < count; first += rows) {
+        if (!body(first, std::min(rows, count - first))) { return; }
+    }
+}
+
+void write_vertices(BlockOut& out, std::size_t count, const std::vector<Column>& columns)
+{
+    const std::size_t stride = stride_of(columns);
+    for_rows(count, stride, [&](std::size_t first, std::size_t n) {
+        fill_rows(columns, first, n, out.room(n * stride), stride);
+        return out.open();
+    });
+}
+
+void append_vertices(std::string& out, std::size_t count, const std::vector<Column>& columns)
+{
+    const std::size_t stride = stride_of(columns);
+    std::vector<char> rows;
+    for_rows(count, stride, [&](std::size_t first, std::size_t n) {
+        rows.resize(n * stride);
+        fill_rows(columns, first, n, rows.data(), stride);
         const auto* at = reinterpret_cast<const std::byte*>(rows.data());
         for (std::size_t i = 0; i < n; ++i) {
             for (const Column& column : columns) {
@@ -111,18 +123,36 @@ void append_vertices(std::string& out, std::size_t count, const std::vector<Colu
             }
             TextOut{out}.end_record();
         }
-    }
+        return true;
+    });
 }
 
+/// Numbers as bytes, for the same loop as text.
+struct BinaryOut {
+    BlockOut& out;
+
+    template <class T>
+    void number(T value)
+    {
+        out.number(value);
+    }
+    void end_record() {}
+    bool open() const { return out.open(); }
+};
+
+struct LinesOut : TextOut {
+    static bool open() { return true; }
+};
+
 template <class Out>
-void append_faces(Out out, const Mesh& mesh, const FaceShape& shape)
+void write_faces(Out out, const Mesh& mesh, const FaceShape& shape)
 {
     const auto length = [&](std::size_t n) {
         if (shape.count == Scalar::U8) { return out.number(static_cast<std::uint8_t>(n)); }
         out.number(static_cast<std::uint32_t>(n));
     };
     const FiledUv filed_uv(mesh);
-    for (std::size_t f = 0; f < mesh.faces.count(); ++f) {
+    for (std::size_t f = 0; f < mesh.faces.count() && out.open(); ++f) {
         const std::size_t begin = mesh.faces.begin(f), end = mesh.faces.end(f);
         length(end - begin);
         for (std::size_t c = begin; c < end; ++c) { out.number(mesh.faces.indices[c]); }
@@ -138,46 +168,68 @@ void append_faces(Out out, const Mesh& mesh, const FaceShape& shape)
 }
 
 /// The common case, in blocks: a length of 3 and the indices.
-void append_triangles(std::string& out, std::span<const std::uint32_t> indices)
+void write_triangles(BlockOut& out, std::span<const std::uint32_t> indices)
 {
-    constexpr std::size_t faces = 2048, bytes = 1 + sizeof(Triangle);
-    std::array<char, faces * bytes> block;
-    for (std::size_t first = 0; first < indices.size(); first += 3 * faces) {
+    constexpr std::size_t faces = 1024, bytes = 1 + sizeof(Triangle);
+    for (std::size_t first = 0; first < indices.size() && out.open(); first += 3 * faces) {
         const auto triangles = indices.subspan(first, std::min(3 * faces, indices.size() - first));
-        char* at = block.data();
+        char* at = out.room(triangles.size() / 3 * bytes);
         for (std::size_t k = 0; k < triangles.size(); k += 3, at += bytes) {
             *at = 3;
             std::memcpy(at + 1, &triangles[k], sizeof(Triangle));
         }
-        out.append(block.data(), at);
     }
+}
+
+/// Of all faces as binary.
+std::uint64_t face_bytes(const Mesh& mesh, const FaceShape& shape)
+{
+    const std::uint64_t faces = mesh.faces.count(), corners = mesh.faces.indices.size();
+    const std::uint64_t lists = faces * size_of(shape.count);
+    return lists + corners * sizeof(std::uint32_t) +
+           (shape.uvs ? lists + corners * sizeof(Uv) : 0) +
+           (shape.materials ? faces * sizeof(std::uint32_t) : 0);
 }
 
 }  // namespace
 }  // namespace ply
 
+Encoding encode_ply(const LitMesh& lit)
+{
+    const Mesh& mesh = lit.mesh;
+    std::vector<ply::Column> columns = ply::columns_of(lit);
+    const ply::FaceShape shape = ply::shape_of(mesh);
+    std::string header = ply::header_of(lit, columns, shape, PlyEncoding::BinaryLittleEndian);
+    const std::uint64_t bytes = header.size() +
+                                std::uint64_t{ply::stride_of(columns)} * mesh.positions.size() +
+                                ply::face_bytes(mesh, shape);
+    const bool plain = mesh.faces.offsets.empty() && !shape.uvs && !shape.materials;
+    return {bytes, [&mesh, columns = std::move(columns), header = std::move(header), shape,
+                    plain](const Sink& sink) {
+                BlockOut out(sink);
+                out.bytes(header);
+                ply::write_vertices(out, mesh.positions.size(), columns);
+                if (plain) {
+                    ply::write_triangles(out, mesh.faces.indices);
+                } else {
+                    ply::write_faces(ply::BinaryOut{out}, mesh, shape);
+                }
+                return out.flush();
+            }};
+}
+
 std::string write_ply(const LitMesh& lit, PlyEncoding encoding)
 {
+    if (encoding == PlyEncoding::BinaryLittleEndian) { return whole(encode_ply(lit)); }
     const Mesh& mesh = lit.mesh;
     const std::vector<ply::Column> columns = ply::columns_of(lit);
     const ply::FaceShape shape = ply::shape_of(mesh);
     std::string out = ply::header_of(lit, columns, shape, encoding);
-
-    // A guess for ascii, and all that is needed for binary triangles.
-    std::size_t stride = 0;
-    for (const ply::Column& column : columns) { stride += column.size(); }
-    out.reserve(out.size() + stride * mesh.positions.size() + 4 * mesh.faces.indices.size() +
-                mesh.faces.count());
-
-    ply::append_vertices(out, mesh.positions.size(), columns, encoding);
-    const bool plain = mesh.faces.offsets.empty() && !shape.uvs && !shape.materials;
-    if (encoding == PlyEncoding::Ascii) {
-        ply::append_faces(TextOut{out}, mesh, shape);
-    } else if (plain) {
-        ply::append_triangles(out, mesh.faces.indices);
-    } else {
-        ply::append_faces(ply::BinaryOut{out}, mesh, shape);
-    }
+    // A guess: digits vary.
+    out.reserve(out.size() + ply::stride_of(columns) * mesh.positions.size() +
+                4 * mesh.faces.indices.size() + mesh.faces.count());
+    ply::append_vertices(out, mesh.positions.size(), columns);
+    ply::write_faces(ply::LinesOut{{out}}, mesh, shape);
     return out;
 }
 

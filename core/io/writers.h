@@ -8,6 +8,7 @@
 #include "core/base/result.h"
 #include "core/geometry/mesh.h"
 #include "core/geometry/surface.h"
+#include "core/io/sink.h"
 
 namespace relight {
 
@@ -18,10 +19,10 @@ struct Quantity3 {
     std::span<const float> values;  ///< V * components
 };
 
-/// A lit mesh, ready to be written. Spans live as long as the call. Texture coordinates that came
-/// as glTF are turned over where v grows upward: everywhere but in glTF. Absent points are NaN in
-/// PLY, NPZ and VTP; OBJ and OFF know no such thing and write their placeholder. Where there are
-/// comments, one counts them.
+/// A lit mesh, ready to be written. Spans live as long as the call (or what encode_ply gave).
+/// Texture coordinates that came as glTF are turned over where v grows upward: everywhere but in
+/// glTF. Absent points are NaN in PLY, NPZ and VTP; OBJ and OFF know no such thing and write their
+/// placeholder. Where there are comments, one counts them.
 struct LitMesh {
     const Mesh& mesh;
     std::span<const Dir3>
@@ -39,6 +40,10 @@ enum class PlyEncoding { BinaryLittleEndian, Ascii };
 /// Filed normals and colours are kept where `lit` has none of its own: colours as uchar if 8-bit
 /// codes say them exactly, else as linear floats.
 std::string write_ply(const LitMesh& lit, PlyEncoding encoding);
+
+/// The same as binary PLY, written while it is sent. `lit.mesh` and what the spans of `lit` show
+/// must outlive it; `lit` itself need not.
+Encoding encode_ply(const LitMesh& lit);
 
 /// NumPy's .npz (stored, not compressed): each quantity float32 (V,3) or (V,), `color` uint8 (V,3),
 /// `normal` float32 (V,3), `positions` float64 (V,3), `faces` int32 (F,3) triangles as filed or

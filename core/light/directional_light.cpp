@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "core/base/warp.h"
 #include "core/light/cap.h"
 
 namespace relight {
 namespace {
 
-/// The disc of the sky that is drawn from. One narrower than 1e-60 rad has no room for its radiance
-/// in double and shines as one of that width.
 struct Disc {
     double sine, height;  ///< of its half angle: sin, 1 - cos
 
@@ -21,11 +17,6 @@ struct Disc {
         const double angle = std::max(half_angle, 1e-60), half_sine = std::sin(0.5 * angle);
         sine = std::sin(angle);
         height = 2.0 * half_sine * half_sine;
-    }
-    LightSample seen(Dir3 wi) const
-    {
-        const double L = std::numbers::inv_pi / (sine * sine);
-        return {wi, std::numeric_limits<double>::infinity(), Rgb::grey(L), warp::cap_pdf(height)};
     }
 };
 
@@ -39,19 +30,27 @@ double irradiance(const DirectionalLight& light, Dir3 n)
     return cap_irradiance(sine, cos_beta) / (std::numbers::pi * sine * sine);
 }
 
-LightSample sample(const DirectionalLight& light, Sample2 s)
+SunView::SunView(const DirectionalLight& light) : frame_(frame_around(-light.travel))
 {
     const Disc disc(light.half_angle);
-    const Frame frame = frame_around(-light.travel);
-    return disc.seen(normalize(frame.to_world(warp::cap(s, disc.height))));
+    height_ = disc.height;
+    L_ = std::numbers::inv_pi / (disc.sine * disc.sine);
+}
+
+LightSample SunView::look(Dir3 wi) const
+{
+    const Vec3 aside = Vec3(wi) - frame_.n;
+    return 0.5 * dot(aside, aside) > height_ ? LightSample{} : seen(wi);
+}
+
+LightSample sample(const DirectionalLight& light, Sample2 s)
+{
+    return SunView(light).sample(s);
 }
 
 LightSample look(const DirectionalLight& light, Dir3 wi)
 {
-    const Disc disc(light.half_angle);
-    const Vec3 aside = Vec3(wi) + light.travel;
-    if (0.5 * dot(aside, aside) > disc.height) { return {}; }
-    return disc.seen(wi);
+    return SunView(light).look(wi);
 }
 
 }  // namespace relight

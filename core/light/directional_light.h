@@ -1,10 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "core/base/quantity.h"
-#include "core/base/sobol.h"
 #include "core/base/vec.h"
+#include "core/base/warp.h"
 #include "core/light/light_sample.h"
 
 namespace relight {
@@ -26,7 +27,30 @@ inline Irradiance irradiance(const DirectionalLight& light, Irradiance E_perp, D
 
 /// E of unit power facing n; also of a disc, cut by the horizon.   Test: Sun.*
 double irradiance(const DirectionalLight& light, Dir3 n);
-/// Of a disc (half angle > 0), uniform in solid angle.
+/// A sun's disc (half angle > 0), drawn uniformly in solid angle. One narrower than 1e-60 rad has
+/// no room for its radiance in double and shines as one of that width.
+class SunView {
+  public:
+    explicit SunView(const DirectionalLight& light);
+
+    LightSample sample(Sample2 s) const { return sample_direction(s); }
+    LightSample look(Dir3 wi) const;
+
+    static constexpr bool is_seen() { return true; }
+    LightSample sample_direction(Sample2 s) const
+    {
+        return seen(unit_already(frame_.to_world(warp::cap(s, height_))));
+    }
+
+  private:
+    LightSample seen(Dir3 wi) const
+    {
+        return {wi, std::numeric_limits<double>::infinity(), Rgb::grey(L_), warp::cap_pdf(height_)};
+    }
+
+    Frame frame_;
+    double height_, L_;  ///< 1 - cos of its half angle; its radiance
+};
 LightSample sample(const DirectionalLight& light, Sample2 s);
 LightSample look(const DirectionalLight& light, Dir3 wi);
 

@@ -85,77 +85,6 @@ double cut(const Place& at, double v, double g, double n_x0, double cos_e, doubl
     return 0.5 * (chord - arc);
 }
 
-/// The disk fills an elliptic cone. Its axis z halves the angle NpF, y lies across, and on the
-/// plane z = 1 the ellipse has the semi-axes a = tan(NpF / 2) = 2 R h / P along x and
-/// b = R sqrt(2 / P) along y. (Guillen et al. 2017 have the ellipse; the map below is ours.)
-///
-/// A direction is drawn by its azimuth, then by its cosine, which is uniform from the axis to the
-/// rim. The rim's azimuth phi (a cos, b sin) would need the density W(phi) = 1 / (s^2 + s),
-/// s^2 = 1 + a^2 cos^2 + b^2 sin^2, an elliptic integral; 1 / s^2 lies within a factor of two of
-/// it and integrates to an arc tangent. So the density is a constant times 1 + 1 / s.
-class EllipticCone {
-  public:
-    EllipticCone(const DiskLight& light, const Place& at) : light_(light), at_(at)
-    {
-        const Vec3 n = light.normal, e = at.e;
-        const double sum = at.near + at.far;
-        const Vec2 axis = unit(2.0 * at.P * at.rho / (sum * sum), at.h);
-        frame_.n = normalize(-(e * axis.x) - n * axis.y);
-        frame_.x = normalize(n * axis.x - e * axis.y);
-        frame_.y = normalize(cross(frame_.n, frame_.x));
-        const double D = std::sqrt(2.0 * at.P);
-        per_a2_ = at.P / (2.0 * at.R * at.h) * (at.P / (2.0 * at.R * at.h));
-        per_b2_ = 0.5 * at.P / (at.R * at.R);
-        // sqrt(1 + a^2) = 2 sqrt(S) / D, sqrt(1 + b^2) = (near + far) / D
-        stretch_x_ = at.h * sum / D;
-        stretch_y_ = std::sqrt(at.S);
-        density_ = stretch_y_ * sum / at.R * D / at.R / (8.0 * pi * at.h);
-    }
-
-    LightSample sample(Sample2 s) const
-    {
-        const double psi = 2.0 * pi * s.u;
-        const Vec2 to = unit(stretch_x_ * std::cos(psi), stretch_y_ * std::sin(psi));
-        const double q = rim2(to), secant = std::sqrt(1.0 + q);
-        const double k = s.v * q / (secant * (secant + 1.0));  // v (1 - cos of the rim)
-        const double sine = std::sqrt(k * (2.0 - k));
-        const Dir3 wi = normalize(frame_.to_world({to.x * sine, to.y * sine, 1.0 - k}));
-        return seen(wi, secant);
-    }
-    LightSample look(Dir3 wi) const
-    {
-        const Vec3 w = frame_.to_local(wi);
-        if (!(w.z > 0.0) || w.x * w.x * per_a2_ + w.y * w.y * per_b2_ > w.z * w.z) { return {}; }
-        return seen(wi, std::sqrt(1.0 + rim2(unit(w.x, w.y))));
-    }
-
-  private:
-    struct Vec2 {
-        double x, y;
-    };
-    static Vec2 unit(double x, double y)
-    {
-        const double l = std::sqrt(x * x + y * y);
-        return l > 0.0 ? Vec2{x / l, y / l} : Vec2{1.0, 0.0};
-    }
-    /// tan^2 of the rim's angle from the axis in the direction `to`.
-    double rim2(Vec2 to) const { return 1.0 / (to.x * to.x * per_a2_ + to.y * to.y * per_b2_); }
-
-    LightSample seen(Dir3 wi, double secant) const
-    {
-        const double pdf = density_ * (1.0 + 1.0 / secant);
-        if (!wi || !(pdf > 0.0) || !is_finite(pdf)) { return {}; }  // beyond the range of double
-        const double down = -dot(wi, light_.normal);
-        // No farther than the rim, whatever the rounding of a grazing direction.
-        return {wi, down * at_.far > at_.h ? at_.h / down : at_.far, Rgb::grey(1.0), pdf};
-    }
-
-    const DiskLight& light_;
-    const Place& at_;
-    Frame frame_;
-    double per_a2_, per_b2_, stretch_x_, stretch_y_, density_;
-};
-
 }  // namespace
 
 double area(const DiskLight& light)
@@ -182,18 +111,48 @@ double irradiance(const DiskLight& light, Point3 p, Dir3 n)
     return std::min(std::max(0.0, E), pi);
 }
 
-LightSample sample(const DiskLight& light, Point3 p, Sample2 s)
+DiskView::DiskView(const DiskLight& light, Point3 p)
 {
     const Place at(light, p);
-    if (!(at.R > 0.0 && at.h > 0.0)) { return {}; }
-    return EllipticCone(light, at).sample(s);
+    if (!(at.R > 0.0 && at.h > 0.0)) { return; }
+    const Vec3 n = light.normal, e = at.e;
+    const double sum = at.near + at.far;
+    const Vec3 axis = normalize({2.0 * at.P * at.rho / (sum * sum), at.h, 0.0});
+    frame_.n = normalize(-(e * axis.x) - n * axis.y);
+    frame_.x = normalize(n * axis.x - e * axis.y);
+    frame_.y = normalize(cross(frame_.n, frame_.x));
+    normal_ = n;
+    height_ = at.h;
+    farthest_ = at.far;
+    const double D = std::sqrt(2.0 * at.P);
+    per_a2_ = at.P / (2.0 * at.R * at.h) * (at.P / (2.0 * at.R * at.h));
+    per_b2_ = 0.5 * at.P / (at.R * at.R);
+    // sqrt(1 + a^2) = 2 sqrt(S) / D, sqrt(1 + b^2) = (near + far) / D
+    const double stretch_x = at.h * sum / D, stretch_y = std::sqrt(at.S);
+    stretch_x_ = stretch_x / std::max(stretch_x, stretch_y);  // their quotient alone matters
+    stretch_y_ = stretch_y / std::max(stretch_x, stretch_y);
+    const double density = stretch_y * sum / at.R * D / at.R / (8.0 * pi * at.h);
+    const bool in_range = density > 0.0 && is_finite(2.0 * density) && is_finite(per_a2_) &&
+                          is_finite(per_b2_);  // of double
+    if (in_range && frame_.n && frame_.x) { density_ = density; }
+}
+
+LightSample DiskView::look(Dir3 wi) const
+{
+    if (!is_seen()) { return {}; }
+    const Vec3 w = frame_.to_local(wi);
+    if (!(w.z > 0.0) || w.x * w.x * per_a2_ + w.y * w.y * per_b2_ > w.z * w.z) { return {}; }
+    return seen(wi, std::sqrt(1.0 + rim2(w.x, w.y)));
+}
+
+LightSample sample(const DiskLight& light, Point3 p, Sample2 s)
+{
+    return DiskView(light, p).sample(s);
 }
 
 LightSample look(const DiskLight& light, Point3 p, Dir3 wi)
 {
-    const Place at(light, p);
-    if (!(at.R > 0.0 && at.h > 0.0)) { return {}; }
-    return EllipticCone(light, at).look(wi);
+    return DiskView(light, p).look(wi);
 }
 
 }  // namespace relight

@@ -24,17 +24,39 @@ struct Drawn {
     std::size_t index;
     double fraction;  ///< [0, 1]
 };
-Drawn draw(std::span<const double> sums, double u)
+/// `guide` holds for each of as many equal parts of [0, sums.back()] as there are sums, which sum
+/// is the first beyond its beginning: on average the next one or two are looked at.
+Drawn draw(std::span<const double> sums, std::span<const int> guide, double u)
 {
     const double t = u * sums.back();
-    // The first sum beyond t ends a step of more than 0. u < 1 may round up to the whole sum: then
-    // the first to reach it is the last such step.
-    auto it = std::upper_bound(sums.begin(), sums.end(), t);
-    if (it == sums.end()) { it = std::lower_bound(sums.begin(), sums.end(), sums.back()); }
-    const double before = it == sums.begin() ? 0.0 : *(it - 1);
-    return {static_cast<std::size_t>(it - sums.begin()),
-            std::clamp((t - before) / (*it - before), 0.0, 1.0)};
+    const double n = static_cast<double>(sums.size());
+    std::size_t i =
+        static_cast<std::size_t>(guide[static_cast<std::size_t>(std::min(u * n, n - 1.0))]);
+    // The first sum beyond t ends a step of more than 0; that u n was rounded up is mended.
+    while (i > 0 && sums[i - 1] > t) { --i; }
+    while (i < sums.size() && !(sums[i] > t)) { ++i; }
+    // u < 1 may round up to the whole sum: then the first to reach it is the last such step.
+    if (i == sums.size()) {
+        i = static_cast<std::size_t>(std::lower_bound(sums.begin(), sums.end(), sums.back()) -
+                                     sums.begin());
+    }
+    const double before = i == 0 ? 0.0 : sums[i - 1];
+    return {i, std::clamp((t - before) / (sums[i] - before), 0.0, 1.0)};
 }
+
+/// Appends the guide of such sums.
+void append_guide(std::span<const double> sums, std::vector<int>& guide)
+{
+    const double n = static_cast<double>(sums.size());
+    std::size_t i = 0;
+    for (std::size_t part = 0; part < sums.size(); ++part) {
+        const double t = static_cast<double>(part) / n * sums.back();
+        while (i + 1 < sums.size() && !(sums[i] > t)) { ++i; }
+        guide.push_back(static_cast<int>(i));
+    }
+}
+
+constexpr int guides_a_row = 4;  // of equal height: as rows are thinnest at the poles
 
 /// Keeps a place drawn in a texel off its edges, where the rounding of a direction (and of its
 /// rotation) could carry it into a neighbour of another density.
@@ -44,10 +66,9 @@ double off_the_edges(double fraction)
     return margin + (1.0 - 2.0 * margin) * fraction;
 }
 
-/// Turned about +Y, counter-clockwise seen from above.
-Vec3 turned(Vec3 w, double angle)
+/// Turned about +Y by an angle of this cosine and sine, counter-clockwise seen from above.
+Vec3 turned(Vec3 w, double c, double s)
 {
-    const double c = std::cos(angle), s = std::sin(angle);
     return {c * w.x + s * w.z, w.y, c * w.z - s * w.x};
 }
 
@@ -59,6 +80,7 @@ EnvironmentMap::EnvironmentMap(Image image) : image_(std::move(image))
            image_.pixels.size() == image_.at(0, image_.height));
     row_cdf_.reserve(static_cast<std::size_t>(image_.height));
     texel_cdf_.reserve(image_.pixels.size());
+    texel_guide_.reserve(image_.pixels.size());
     for (int y = 0; y < image_.height; ++y) {
         const double Omega = texel_solid_angle(y);
         double row = 0.0;
@@ -68,6 +90,19 @@ EnvironmentMap::EnvironmentMap(Image image) : image_(std::move(image))
         }
         total_ += row;
         row_cdf_.push_back(total_);
+        append_guide(std::span(texel_cdf_).last(static_cast<std::size_t>(image_.width)),
+                     texel_guide_);
+    }
+    append_guide(row_cdf_, row_guide_);
+    const double step = pi / image_.height;
+    for (int y = 0; y <= image_.height; ++y) { row_cos_.push_back(std::cos(y * step)); }
+    const int parts = guides_a_row * image_.height;
+    for (int part = 0, row = 0; part <= parts; ++part) {
+        const double y = 1.0 - 2.0 * part / parts;
+        while (row + 1 < image_.height && row_cos_[static_cast<std::size_t>(row) + 1] > y) {
+            ++row;
+        }
+        height_guide_.push_back(row);
     }
     const double twice_the_mean = 2.0 * total_ / (4.0 * pi);
     even_ = std::all_of(image_.pixels.begin(), image_.pixels.end(), [&](const Rgbf& texel) {
@@ -83,72 +118,94 @@ double EnvironmentMap::texel_solid_angle(int row) const
     return across * 2.0 * std::sin((2.0 * row + 1.0) * half) * std::sin(half);
 }
 
+std::size_t EnvironmentMap::row_along(double y) const
+{
+    const double part = (1.0 - y) * (0.5 * guides_a_row * image_.height);
+    std::size_t row =
+        static_cast<std::size_t>(height_guide_[cell(part, static_cast<int>(height_guide_.size()))]);
+    const auto last = static_cast<std::size_t>(image_.height) - 1;
+    while (row < last && row_cos_[row + 1] >= y) { ++row; }
+    while (row > 0 && row_cos_[row] < y) { --row; }
+    return row;
+}
+
+EnvironmentMap::Seen EnvironmentMap::seen(std::size_t texel, Vec3 w) const
+{
+    const Rgb L = to_double(image_.pixels[texel]);
+    return {w, L, total_ > 0.0 ? luminance(L) / total_ : 0.0};
+}
+
 std::size_t EnvironmentMap::texel_along(Vec3 w) const
 {
     const double u = 0.5 + std::atan2(w.z, w.x) / (2.0 * pi);
-    // acos(y), with its digits near the poles and no limit to y
-    const double v = std::atan2(std::hypot(w.x, w.z), w.y) / pi;
     // The seam's two names, u = 0 and u = 1, are one place.
-    return cell(v * image_.height, image_.height) * static_cast<std::size_t>(image_.width) +
+    return row_along(w.y) * static_cast<std::size_t>(image_.width) +
            cell(u < 1.0 ? u * image_.width : 0.0, image_.width);
 }
 
-Rgb EnvironmentMap::radiance(Vec3 w) const
-{
-    return to_double(image_.pixels[texel_along(w)]);
-}
-
-double EnvironmentMap::pdf(Vec3 w) const
-{
-    return total_ > 0.0 ? luminance(radiance(w)) / total_ : 0.0;
-}
-
-Vec3 EnvironmentMap::sample(Sample2 s) const
+EnvironmentMap::Seen EnvironmentMap::sample(Sample2 s) const
 {
     if (!(total_ > 0.0)) { return {}; }
     const std::size_t width = static_cast<std::size_t>(image_.width);
-    const Drawn row = draw(row_cdf_, s.v);
-    const Drawn column = draw(std::span(texel_cdf_).subspan(row.index * width, width), s.u);
-
-    const double phi =
-        pi *
-        (2.0 * (static_cast<double>(column.index) + off_the_edges(column.fraction)) / image_.width -
-         1.0);
-    const double step = pi / image_.height;
-    const double top = std::cos(static_cast<double>(row.index) * step);
-    const double bottom = std::cos(static_cast<double>(row.index + 1) * step);
+    const Drawn row = draw(row_cdf_, row_guide_, s.v);
+    const std::size_t first = row.index * width;
+    const Drawn column = draw(std::span(texel_cdf_).subspan(first, width),
+                              std::span(texel_guide_).subspan(first, width), s.u);
+    const double across = static_cast<double>(column.index) + off_the_edges(column.fraction);
+    const warp::SineCosine phi = warp::sine_cosine_of_turns(across / image_.width - 0.5);
+    const double top = row_cos_[row.index], bottom = row_cos_[row.index + 1];
     const double y = top + off_the_edges(row.fraction) * (bottom - top);
     const double sine = std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y)));
-    return {sine * std::cos(phi), y, sine * std::sin(phi)};
+    return seen(first + column.index, {sine * phi.cosine, y, sine * phi.sine});
 }
 
 std::uint64_t EnvironmentMap::bytes() const
 {
     return image_.pixels.capacity() * sizeof(Rgbf) + image_.coverage.capacity() * sizeof(float) +
-           (row_cdf_.capacity() + texel_cdf_.capacity()) * sizeof(double);
+           (row_cdf_.capacity() + texel_cdf_.capacity() + row_cos_.capacity()) * sizeof(double) +
+           (row_guide_.capacity() + texel_guide_.capacity() + height_guide_.capacity()) *
+               sizeof(int);
+}
+
+EnvironmentView::EnvironmentView(const EnvironmentLight& light)
+    : map_(light.map.get()), cosine_(std::cos(light.rotation)), sine_(std::sin(light.rotation))
+{
+}
+
+LightSample EnvironmentView::sample(Sample2 s) const
+{
+    if (map_ == nullptr) {
+        constexpr double sphere = 2.0;  // a cap as high as this is all of it
+        return look(unit_already(warp::cap(s, sphere)));
+    }
+    const EnvironmentMap::Seen seen = map_->sample(s);
+    if (seen.w == Vec3{}) { return {}; }
+    return {unit_already(turned(seen.w, cosine_, sine_)), std::numeric_limits<double>::infinity(),
+            seen.L, seen.pdf};
+}
+
+Vec3 EnvironmentView::in_map(Dir3 wi) const
+{
+    return turned(wi, cosine_, -sine_);
+}
+
+LightSample EnvironmentView::look(Dir3 wi) const
+{
+    if (!wi) { return {}; }
+    constexpr double far = std::numeric_limits<double>::infinity();
+    if (map_ == nullptr) { return {wi, far, Rgb::grey(1.0), 0.25 * std::numbers::inv_pi}; }
+    const EnvironmentMap::Seen seen = map_->look(in_map(wi));
+    return {wi, far, seen.L, seen.pdf};
 }
 
 LightSample sample(const EnvironmentLight& light, Sample2 s)
 {
-    constexpr double sphere = 2.0;  // a cap as high as this is all of it
-    const Vec3 w = light.map ? turned(light.map->sample(s), light.rotation) : warp::cap(s, sphere);
-    return look(light, normalize(w));
+    return EnvironmentView(light).sample(s);
 }
 
 LightSample look(const EnvironmentLight& light, Dir3 wi)
 {
-    LightSample seen;
-    if (!wi) { return seen; }
-    seen.wi = wi;
-    if (light.map) {
-        const Vec3 w = turned(wi, -light.rotation);
-        seen.L = light.map->radiance(w);
-        seen.pdf = light.map->pdf(w);
-    } else {
-        seen.L = Rgb::grey(1.0);
-        seen.pdf = 0.25 * std::numbers::inv_pi;
-    }
-    return seen;
+    return EnvironmentView(light).look(wi);
 }
 
 }  // namespace relight

@@ -18,9 +18,20 @@ class EnvironmentMap {
     /// `image`: at least 1 x 1, finite, not negative. Black is allowed (it then shines nowhere).
     explicit EnvironmentMap(Image image);
 
-    Rgb radiance(Vec3 w) const;    ///< along the unit direction w
-    double pdf(Vec3 w) const;      ///< of sample(), lum(L) / sum(lum solid angle) [1/sr]
-    Vec3 sample(Sample2 s) const;  ///< unit; {} if the map is black
+    /// What it shows along a direction.
+    struct Seen {
+        Vec3 w;  ///< unit
+        Rgb L;
+        double pdf;  ///< of sample(), lum(L) / sum(lum solid angle) [1/sr]
+    };
+    Seen sample(Sample2 s) const;                                ///< w = {} if the map is black
+    Seen look(Vec3 w) const { return seen(texel_along(w), w); }  ///< w: unit
+    /// look() in two steps, between which memory may be asked for.
+    std::size_t texel_along(Vec3 w) const;
+    Seen seen(std::size_t texel, Vec3 w) const;
+    void fetch(std::size_t texel) const { __builtin_prefetch(&image_.pixels[texel]); }
+    Rgb radiance(Vec3 w) const { return look(w).L; }
+    double pdf(Vec3 w) const { return look(w).pdf; }
     double luminance_integral() const { return total_; }  ///< sum of luminance x solid angle
     double texel_solid_angle(int row) const;              ///< exact: dphi (cos - cos)
     const Image& image() const { return image_; }
@@ -30,10 +41,13 @@ class EnvironmentMap {
     std::uint64_t bytes() const;
 
   private:
-    std::size_t texel_along(Vec3 w) const;
+    std::size_t row_along(double y) const;
     Image image_;
     std::vector<double> row_cdf_;    ///< running sums of luminance x solid angle, down the rows
     std::vector<double> texel_cdf_;  ///< and along each row, from 0 again
+    std::vector<double> row_cos_;    ///< y of each row's upper edge, and of the last's lower
+    std::vector<int> row_guide_, texel_guide_;  ///< where to begin to look in the sums
+    std::vector<int> height_guide_;             ///< and in row_cos_, by y from 1 to -1
     double total_ = 0.0;
     bool even_ = false;
 };
@@ -43,7 +57,20 @@ struct EnvironmentLight {
     std::shared_ptr<const EnvironmentMap> map;
     double rotation = 0.0;  ///< about +Y, counter-clockwise seen from above [rad]
 };
-/// Constant skies are drawn uniformly over the sphere.
+/// As any place sees it. Constant skies are drawn uniformly over the sphere.
+class EnvironmentView {
+  public:
+    explicit EnvironmentView(const EnvironmentLight& light);  ///< its map outlives this
+
+    LightSample sample(Sample2 s) const;
+    LightSample look(Dir3 wi) const;
+    const EnvironmentMap* map() const { return map_; }  ///< null: 1 everywhere
+    Vec3 in_map(Dir3 wi) const;                         ///< wi as the map has it
+
+  private:
+    const EnvironmentMap* map_;
+    double cosine_, sine_;  ///< of its rotation
+};
 LightSample sample(const EnvironmentLight& light, Sample2 s);
 LightSample look(const EnvironmentLight& light, Dir3 wi);
 

@@ -52,37 +52,18 @@ struct Arrive {
     }
 };
 
-struct SampleLight {
+struct See {
     Point3 p;
-    Sample2 s;
-    double pick;
 
-    LightSample operator()(const RectLight& light) const { return sample(light, p, s); }
-    LightSample operator()(const DiskLight& light) const { return sample(light, p, s); }
-    LightSample operator()(const SphereLight& light) const { return sample(light, p, s); }
-    LightSample operator()(const DirectionalLight& light) const { return sample(light, s); }
-    LightSample operator()(const EnvironmentLight& light) const { return sample(light, s); }
-    LightSample operator()(const SkyLight& light) const { return sample(light, s, pick); }
-    LightSample operator()(const MeshLight& light) const { return light.table->sample(p, s, pick); }
+    LightView operator()(const RectLight& light) const { return RectView(light, p); }
+    LightView operator()(const DiskLight& light) const { return DiskView(light, p); }
+    LightView operator()(const SphereLight& light) const { return SphereView(light, p); }
+    LightView operator()(const DirectionalLight& light) const { return SunView(light); }
+    LightView operator()(const EnvironmentLight& light) const { return EnvironmentView(light); }
+    LightView operator()(const SkyLight& light) const { return SkyView(light); }
+    LightView operator()(const MeshLight& light) const { return MeshView{light.table.get(), p}; }
     template <class Delta>
-    LightSample operator()(const Delta& /*light*/) const
-    {
-        return {};
-    }
-};
-
-struct LookAtLight {
-    Point3 p;
-    Dir3 wi;
-
-    LightSample operator()(const RectLight& light) const { return look(light, p, wi); }
-    LightSample operator()(const DiskLight& light) const { return look(light, p, wi); }
-    LightSample operator()(const SphereLight& light) const { return look(light, p, wi); }
-    LightSample operator()(const DirectionalLight& light) const { return look(light, wi); }
-    LightSample operator()(const EnvironmentLight& light) const { return look(light, wi); }
-    LightSample operator()(const SkyLight& light) const { return look(light, wi); }
-    template <class Other>
-    LightSample operator()(const Other& /*light*/) const
+    LightView operator()(const Delta& /*light*/) const
     {
         return {};
     }
@@ -122,14 +103,49 @@ Arrival arrive(const LightShape& shape, Point3 p)
     return std::visit(Arrive{p}, shape);
 }
 
+LightView view(const LightShape& shape, Point3 p)
+{
+    return std::visit(See{p}, shape);
+}
+
+LightSample sample(const LightView& view, Sample2 s, double pick)
+{
+    return std::visit(
+        [&](const auto& seen) -> LightSample {
+            using View = std::decay_t<decltype(seen)>;
+            if constexpr (std::is_same_v<View, std::monostate>) {
+                return {};
+            } else if constexpr (std::is_same_v<View, SkyView> || std::is_same_v<View, MeshView>) {
+                return seen.sample(s, pick);
+            } else {
+                return seen.sample(s);
+            }
+        },
+        view);
+}
+
+LightSample look(const LightView& view, Dir3 wi)
+{
+    return std::visit(
+        [&](const auto& seen) -> LightSample {
+            using View = std::decay_t<decltype(seen)>;
+            if constexpr (std::is_same_v<View, std::monostate> || std::is_same_v<View, MeshView>) {
+                return {};
+            } else {
+                return seen.look(wi);
+            }
+        },
+        view);
+}
+
 LightSample sample(const LightShape& shape, Point3 p, Sample2 s, double pick)
 {
-    return std::visit(SampleLight{p, s, pick}, shape);
+    return sample(view(shape, p), s, pick);
 }
 
 LightSample look(const LightShape& shape, Point3 p, Dir3 wi)
 {
-    return std::visit(LookAtLight{p, wi}, shape);
+    return look(view(shape, p), wi);
 }
 
 std::optional<double> closed_irradiance(const LightShape& shape, Point3 p, Dir3 n)

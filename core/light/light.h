@@ -45,6 +45,22 @@ struct Arrival {
 /// Unoccluded arrival of one unit of a delta light at p. E = power * per_unit * (n . wi)+.
 Arrival arrive(const LightShape& shape, Point3 p);
 
+/// The faces as a place sees them.
+struct MeshView {
+    const EmitterTable* table;
+    Point3 p;
+
+    LightSample sample(Sample2 s, double pick) const { return table->sample(p, s, pick); }
+};
+
+/// What depends on the place alone of drawing a light that is no delta: made once for a place, from
+/// which many directions are drawn. Delta lights show nothing. The light outlives it.
+using LightView = std::variant<std::monostate, RectView, DiskView, SphereView, SunView,
+                               EnvironmentView, SkyView, MeshView>;
+LightView view(const LightShape& shape, Point3 p);
+LightSample sample(const LightView& view, Sample2 s, double pick);
+LightSample look(const LightView& view, Dir3 wi);
+
 /// A direction toward a light that is no delta, and what it shows there. `pick` chooses between
 /// parts (sun or dome, which triangle); s is then uniform still.
 LightSample sample(const LightShape& shape, Point3 p, Sample2 s, double pick);

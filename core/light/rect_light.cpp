@@ -4,7 +4,6 @@
 #include <array>
 
 #include "core/light/polygon.h"
-#include "core/light/triangle.h"
 
 namespace relight {
 namespace {
@@ -20,14 +19,6 @@ bool shines_toward(const RectLight& light, Point3 p)
     const double height = dot(p - light.center, normalize(cross(light.edge_u, light.edge_v)));
     return height > 0.0 || (light.two_sided && height < 0.0);
 }
-
-std::array<TriangleView, 2> halves_of(const RectLight& light, Point3 p)
-{
-    const std::array<Point3, 4> at = corners_of(light);
-    return {view({at[0], at[1], at[2]}, p), view({at[0], at[2], at[3]}, p)};
-}
-
-constexpr double below_one = 1.0 - 0x1p-33;
 
 /// What is seen of a half that is drawn in proportion to its solid angle.
 LightSample part_of(LightSample half, double share)
@@ -54,30 +45,48 @@ double irradiance(const RectLight& light, Point3 p, Dir3 n)
     return polygon_irradiance(corners, p, n);
 }
 
+RectView::RectView(const RectLight& light, Point3 p)
+{
+    if (!shines_toward(light, p)) { return; }
+    const std::array<Point3, 4> at = corners_of(light);
+    halves_ = {view({at[0], at[1], at[2]}, p), view({at[0], at[2], at[3]}, p)};
+    whole_ = halves_[0].solid_angle + halves_[1].solid_angle;
+    if (by_area() || !is_seen()) { return; }
+    spherical_ = {halves_[0].spherical(), halves_[1].spherical()};
+    normal_ = halves_[0].normal;
+    height_ = std::abs(halves_[0].volume);
+    for (const Point3 corner : at) { farthest_ = std::max(farthest_, length(corner - p)); }
+}
+
+LightSample RectView::sample(Sample2 s) const
+{
+    if (!is_seen()) { return {}; }
+    if (!by_area()) { return sample_direction(s); }
+    const double at = s.u * whole_;
+    const bool first = at < halves_[0].solid_angle;
+    const TriangleView& half = halves_[first ? 0 : 1];
+    s.u = std::min((first ? at : at - halves_[0].solid_angle) / half.solid_angle, below_one);
+    return part_of(relight::sample(half, s), half.solid_angle / whole_);
+}
+
+LightSample RectView::look(Dir3 wi) const
+{
+    if (!is_seen()) { return {}; }
+    for (const TriangleView& half : halves_) {
+        const LightSample seen = relight::look(half, wi);
+        if (seen.wi) { return part_of(seen, half.solid_angle / whole_); }
+    }
+    return {};
+}
+
 LightSample sample(const RectLight& light, Point3 p, Sample2 s)
 {
-    if (!shines_toward(light, p)) { return {}; }
-    const std::array<TriangleView, 2> halves = halves_of(light, p);
-    const double whole = halves[0].solid_angle + halves[1].solid_angle;
-    if (whole == 0.0) { return {}; }
-    // s.u chooses the half and is then spread over it: points that are well apart stay so.
-    const double at = s.u * whole;
-    const bool first = at < halves[0].solid_angle;
-    const TriangleView& half = halves[first ? 0 : 1];
-    s.u = std::min((first ? at : at - halves[0].solid_angle) / half.solid_angle, below_one);
-    return part_of(sample(half, s), half.solid_angle / whole);
+    return RectView(light, p).sample(s);
 }
 
 LightSample look(const RectLight& light, Point3 p, Dir3 wi)
 {
-    if (!shines_toward(light, p)) { return {}; }
-    const std::array<TriangleView, 2> halves = halves_of(light, p);
-    const double whole = halves[0].solid_angle + halves[1].solid_angle;
-    for (const TriangleView& half : halves) {
-        const LightSample seen = look(half, wi);
-        if (seen.wi) { return part_of(seen, half.solid_angle / whole); }
-    }
-    return {};
+    return RectView(light, p).look(wi);
 }
 
 }  // namespace relight

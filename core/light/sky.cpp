@@ -136,35 +136,6 @@ Rgb direct_sun(double altitude, double turbidity)
            Rgb{transmitted(0.611, 0.120), transmitted(0.549, 0.085), transmitted(0.464, 0.008)};
 }
 
-struct Parts {
-    double sun_share;  ///< of samples
-    bool sun, dome;    ///< what shines
-};
-Parts parts(const SkyLight& light)
-{
-    const bool sun = luminance(light.sun_E_perp) > 0.0;
-    const bool dome = light.dome && light.dome->luminance_integral() > 0.0;
-    return {sun ? (dome ? 0.5 : 1.0) : 0.0, sun, dome};
-}
-
-/// Both parts along wi, given the disc there.
-LightSample mixed(const SkyLight& light, Dir3 wi, const LightSample& disc)
-{
-    const Parts part = parts(light);
-    LightSample seen;
-    if (!wi || !(part.sun || part.dome)) { return seen; }
-    seen.wi = wi;
-    if (part.sun) {
-        seen.L = light.sun_E_perp * disc.L;
-        seen.pdf = part.sun_share * disc.pdf;
-    }
-    if (part.dome) {
-        seen.L += light.dome->radiance(wi);
-        seen.pdf += (1.0 - part.sun_share) * light.dome->pdf(wi);
-    }
-    return seen;
-}
-
 }  // namespace
 
 SkyLight make_sky(Dir3 toward_sun, double turbidity)
@@ -178,22 +149,61 @@ SkyLight make_sky(Dir3 toward_sun, double turbidity)
         std::make_shared<const EnvironmentMap>(dome(above, turbidity, twilight(altitude / degree)));
     light.sun = {-toward_sun, sun_half_angle};
     light.sun_E_perp = direct_sun(altitude, turbidity);
+    light.turbidity = turbidity;
     return light;
+}
+
+SkyView::SkyView(const SkyLight& light) : sun_(light.sun), E_perp_(light.sun_E_perp)
+{
+    const bool sun = luminance(light.sun_E_perp) > 0.0;
+    if (light.dome && light.dome->luminance_integral() > 0.0) { dome_ = light.dome.get(); }
+    sun_share_ = sun ? (dome_ != nullptr ? 0.5 : 1.0) : 0.0;
+}
+
+LightSample SkyView::sample(Sample2 s, double pick) const
+{
+    if (pick < sun_share_) {
+        const LightSample disc = sun_.sample(s);
+        return mixed(disc, dome_ != nullptr ? dome_->look(disc.wi) : EnvironmentMap::Seen{});
+    }
+    if (dome_ == nullptr) { return {}; }
+    const EnvironmentMap::Seen dome = dome_->sample(s);
+    LightSample disc = sun_.look(unit_already(dome.w));
+    disc.wi = unit_already(dome.w);
+    return mixed(disc, dome);
+}
+
+LightSample SkyView::look(Dir3 wi) const
+{
+    if (!wi || (sun_share_ == 0.0 && dome_ == nullptr)) { return {}; }
+    LightSample disc = sun_.look(wi);
+    disc.wi = wi;
+    return mixed(disc, dome_ != nullptr ? dome_->look(wi) : EnvironmentMap::Seen{});
+}
+
+LightSample SkyView::mixed(const LightSample& disc, const EnvironmentMap::Seen& dome) const
+{
+    LightSample seen;
+    seen.wi = disc.wi;
+    if (sun_share_ > 0.0) {
+        seen.L = E_perp_ * disc.L;
+        seen.pdf = sun_share_ * disc.pdf;
+    }
+    if (dome_ != nullptr) {
+        seen.L += dome.L;
+        seen.pdf += (1.0 - sun_share_) * dome.pdf;
+    }
+    return seen;
 }
 
 LightSample sample(const SkyLight& light, Sample2 s, double pick)
 {
-    if (pick < parts(light).sun_share) {
-        const LightSample disc = sample(light.sun, s);
-        return mixed(light, disc.wi, disc);
-    }
-    if (!light.dome) { return {}; }
-    return look(light, normalize(light.dome->sample(s)));
+    return SkyView(light).sample(s, pick);
 }
 
 LightSample look(const SkyLight& light, Dir3 wi)
 {
-    return mixed(light, wi, look(light.sun, wi));
+    return SkyView(light).look(wi);
 }
 
 }  // namespace relight

@@ -16,6 +16,7 @@ struct SkyLight {
     std::shared_ptr<const EnvironmentMap> dome;
     DirectionalLight sun;  ///< a disc of half angle 0.2665 degrees
     Rgb sun_E_perp;        ///< [lx]; black once its disc has set
+    double turbidity = 0.0;
 };
 
 /// Below 2 the model's fit has next to no light at the zenith and divides by it: at 1.7 its horizon
@@ -26,7 +27,24 @@ inline constexpr double least_turbidity = 2.0, largest_turbidity = 10.0;
 ///        18 degrees below (the end of astronomical twilight); the disc fades as it sets
 SkyLight make_sky(Dir3 toward_sun, double turbidity);
 
-/// `pick` chooses between sun and dome, half and half (one alone if the other is dark).
+/// As any place sees it. `pick` chooses between sun and dome, half and half (one alone if the other
+/// is dark).
+class SkyView {
+  public:
+    explicit SkyView(const SkyLight& light);  ///< its dome outlives this
+
+    LightSample sample(Sample2 s, double pick) const;
+    LightSample look(Dir3 wi) const;
+
+  private:
+    /// Both parts along one direction.
+    LightSample mixed(const LightSample& disc, const EnvironmentMap::Seen& dome) const;
+
+    SunView sun_;
+    Rgb E_perp_;
+    const EnvironmentMap* dome_ = nullptr;  ///< null: it is dark
+    double sun_share_;                      ///< of samples; 0: it is dark
+};
 LightSample sample(const SkyLight& light, Sample2 s, double pick);
 LightSample look(const SkyLight& light, Dir3 wi);
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/base/warp.h"
 #include "core/light/cap.h"
 
 namespace relight {
@@ -31,16 +30,6 @@ Cone cone_of(const SphereLight& light, Point3 p)
     return {normalize(to_center), d, height};
 }
 
-/// `k` = 1 - cos of the angle between wi and the axis. The near root of |t wi - center| = R is
-/// (d^2 - R^2) over the far one, a form without a difference of nearly equal lengths.
-LightSample seen(const SphereLight& light, const Cone& cone, Dir3 wi, double k)
-{
-    const double R = light.radius, off = cone.d * std::sqrt(k * (2.0 - k));
-    const double half_chord = std::sqrt(std::max(0.0, (R - off) * (R + off)));
-    const double distance = (cone.d - R) * ((cone.d + R) / (cone.d * (1.0 - k) + half_chord));
-    return {wi, distance, Rgb::grey(1.0), warp::cap_pdf(cone.height)};
-}
-
 }  // namespace
 
 double area(const SphereLight& light)
@@ -55,21 +44,32 @@ double irradiance(const SphereLight& light, Point3 p, Dir3 n)
     return cap_irradiance(light.radius / cone.d, dot(n, cone.axis));
 }
 
-LightSample sample(const SphereLight& light, Point3 p, Sample2 s)
+SphereView::SphereView(const SphereLight& light, Point3 p)
 {
     const Cone cone = cone_of(light, p);
-    if (cone.height == 0.0) { return {}; }
-    const Dir3 wi = normalize(frame_around(cone.axis).to_world(warp::cap(s, cone.height)));
-    return seen(light, cone, wi, s.u * cone.height);
+    if (cone.height == 0.0) { return; }
+    frame_ = frame_around(cone.axis);
+    R_ = light.radius;
+    d_ = cone.d;
+    height_ = cone.height;
+}
+
+LightSample SphereView::look(Dir3 wi) const
+{
+    const Vec3 aside = Vec3(wi) - frame_.n;
+    const double k = 0.5 * dot(aside, aside);  // 1 - cos, of a narrow cone too
+    if (!is_seen() || k > height_) { return {}; }
+    return seen(wi, k * (2.0 - k), 1.0 - k);
+}
+
+LightSample sample(const SphereLight& light, Point3 p, Sample2 s)
+{
+    return SphereView(light, p).sample(s);
 }
 
 LightSample look(const SphereLight& light, Point3 p, Dir3 wi)
 {
-    const Cone cone = cone_of(light, p);
-    const Vec3 aside = Vec3(wi) - cone.axis;
-    const double k = 0.5 * dot(aside, aside);  // 1 - cos, of a narrow cone too
-    if (cone.height == 0.0 || k > cone.height) { return {}; }
-    return seen(light, cone, wi, k);
+    return SphereView(light, p).look(wi);
 }
 
 }  // namespace relight

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/warp.h"
-
 namespace relight {
 namespace {
 
@@ -56,31 +54,24 @@ LightSample seen(const TriangleView& view, Dir3 wi)
     return {wi, distance, {}, pdf};
 }
 
-/// Uniform in the spherical triangle: a corner C' on the arc from A to C cuts off the share u of
-/// the angle; then along the arc from B to C', uniform in the cosine (Arvo 1995). With
-/// C' = A cos(tau) + T sin(tau) and t = tan(tau / 2), Van Oosterom & Strackee's formula for A, B,
-/// C' becomes tan(Omega' / 2) = t |A . (B x T)| / (1 + A . B + t B . T), solved for t without the
-/// angles and the arc cosines whose differences lose the digits of small triangles.
-Dir3 in_spherical_triangle(Dir3 A, Dir3 B, Dir3 C, double solid_angle, Sample2 s)
+}  // namespace
+
+SphericalTriangle::SphericalTriangle(Dir3 a, Dir3 b, Dir3 c, double angle)
+    : solid_angle(angle), A(a), B(b)
 {
-    // Unit, perpendicular to `from`, toward `to`.
-    const auto across = [](Dir3 from, Vec3 to) -> Vec3 {
-        const Vec3 chord = to - from;
-        return normalize(chord - Vec3(from) * dot(from, chord));
-    };
-    const Vec3 T = across(A, C);
-    const double half = 0.5 * s.u * solid_angle;
-    const Vec3 both = Vec3(A) + B;
-    const double up = std::sin(half) * 0.5 * dot(both, both);
-    const double down =
-        std::abs(dot(cross(A, Vec3(B) - A), T)) * std::cos(half) - std::sin(half) * dot(B, T);
-    const Vec3 corner = normalize(Vec3(A) * ((down - up) * (down + up)) + T * (2.0 * up * down));
-    const Vec3 chord = corner - B;
-    const double k = s.v * 0.5 * dot(chord, chord);  // 1 - cos of the angle from B
-    return normalize(Vec3(B) * (1.0 - k) + across(B, corner) * std::sqrt(k * (2.0 - k)));
+    const Vec3 chord = Vec3(c) - A;
+    T = normalize(chord - A * dot(A, chord));
+    T = normalize(T - A * dot(A, T));  // again: C may be nearly A, or opposite
+    const Vec3 both = A + B;
+    sum = 0.5 * dot(both, both);
+    sine = std::abs(dot(cross(A, B - A), T));
+    b_dot_t = dot(B, T);
 }
 
-}  // namespace
+SphericalTriangle TriangleView::spherical() const
+{
+    return {normalize(a), normalize(b), normalize(c), solid_angle};
+}
 
 TriangleView view(const std::array<Point3, 3>& triangle, Point3 p)
 {
@@ -109,8 +100,7 @@ LightSample sample(const TriangleView& view, Sample2 s)
         const Sample2 at = warp::triangle(s);
         return seen(view, normalize(view.a + (view.b - view.a) * at.u + (view.c - view.a) * at.v));
     }
-    return seen(view, in_spherical_triangle(normalize(view.a), normalize(view.b), normalize(view.c),
-                                            view.solid_angle, s));
+    return seen(view, view.spherical().direction(s));
 }
 
 LightSample look(const TriangleView& view, Dir3 wi)

@@ -1,11 +1,52 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
-#include "core/base/sobol.h"
+#include "core/base/warp.h"
 #include "core/light/light_sample.h"
 
 namespace relight {
+
+/// Directions uniform in a spherical triangle, from what depends on its corners A, B, C alone: a
+/// corner C' on the arc from A to C cuts off the share u of the angle; then along the arc from B to
+/// C', uniform in the cosine (Arvo 1995). With C' = A cos(tau) + T sin(tau) and t = tan(tau / 2),
+/// Van Oosterom & Strackee's formula for A, B, C' becomes
+/// tan(Omega' / 2) = t |A . (B x T)| / (1 + A . B + t B . T), solved for t without the angles and
+/// the arc cosines whose differences lose the digits of small triangles.
+struct SphericalTriangle {
+    double solid_angle = 0.0;
+    Vec3 A, B;
+    Vec3 T;                ///< unit, perpendicular to A, toward C
+    double sum = 0.0;      ///< |A + B|^2 / 2 = 1 + A . B
+    double sine = 0.0;     ///< |A . (B x T)|
+    double b_dot_t = 0.0;  ///< B . T
+
+    SphericalTriangle() = default;
+    SphericalTriangle(Dir3 a, Dir3 b, Dir3 c, double angle);
+
+    Dir3 direction(Sample2 s) const
+    {
+        const warp::SineCosine eighth = warp::sine_cosine(0.125 * s.u * solid_angle);
+        const double s4 = 2.0 * eighth.sine * eighth.cosine;
+        const double c4 = 1.0 - 2.0 * eighth.sine * eighth.sine;
+        const double up = 2.0 * s4 * c4 * sum;  // sin(Omega' / 2) (1 + A . B)
+        constexpr double least = 1e-150;        // at A where rounding leaves neither up nor down
+        const double down = sine * ((c4 - s4) * (c4 + s4)) - 2.0 * s4 * c4 * b_dot_t + least;
+        // cos(tau) and sin(tau) of tan(tau / 2) = up / down
+        const double over = 1.0 / (down * down + up * up);
+        const Vec3 corner = A * ((down - up) * (down + up) * over) + T * (2.0 * up * down * over);
+        const Vec3 chord = corner - B;
+        const double chord2 = dot(chord, chord);
+        const double k = s.v * 0.5 * chord2;             // 1 - cos of the angle from B
+        const Vec3 across = chord + B * (0.5 * chord2);  // perpendicular to B, for |corner| = 1
+        const double across2 = dot(across, across) + least * least;
+        const double sine_per_across = std::sqrt(k * (2.0 - k) / across2);
+        const Vec3 wi = B * (1.0 - k) + across * sine_per_across;
+        // Perpendicular but for 1e-16 / |across|, 1e-7 at worst: one step of Newton's for 1 / |wi|.
+        return unit_already(wi * (1.5 - 0.5 * dot(wi, wi)));
+    }
+};
 
 /// A triangle as a place sees it: what its samples and their density are made of.
 struct TriangleView {
@@ -14,6 +55,9 @@ struct TriangleView {
     Vec3 a, b, c;              ///< the corners from the place, or from just above it
     Vec3 normal;               ///< (b - a) x (c - a)
     double volume = 0.0;       ///< a . normal: six tetrahedra
+
+    /// What its directions are made of; not by_area.
+    SphericalTriangle spherical() const;
 };
 TriangleView view(const std::array<Point3, 3>& triangle, Point3 p);
 LightSample sample(const TriangleView& view, Sample2 s);

@@ -30,7 +30,7 @@ struct Way {
 
 class Follower {
   public:
-    Follower(const World& world, std::uint32_t depth, RayQueue& queue)
+    Follower(const World& world, std::uint32_t depth, RayQueue<Rgb>& queue)
         : world_(world),
           queue_(queue),
           first_pair_(depth *
@@ -77,14 +77,14 @@ class Follower {
                 faces == nullptr ? look(shape, path.seen.at.p, way.wi)
                                  : faces->table->look(hit->primitive, way.ray.origin, way.wi);
             const double share = lamp.by_light ? mis::balance(1, way.pdf, 1, there.pdf) : 1.0;
-            const Deposit found = deposit(path, lamp, way.weight * there.L * share);
+            const Deposit<Rgb> found = deposit(path, lamp, way.weight * there.L * share);
             if (!there.wi || is_black(found.value)) { continue; }
             // What the way meets tells whether a sky is seen; nearer lights have rays of their own.
             const bool is_told = hit != nullptr && !std::isfinite(there.distance);
             const bool is_open =
                 is_told && (hit->primitive == ~0U || hit->distance > way.ray.distance);
             if (faces != nullptr || !lamp.shadowed || is_open) {
-                RayQueue::give(found);
+                found.give();
             } else if (!is_told) {
                 queue_.ask(ray_toward(path.seen, way.wi, there.distance), found);
             }
@@ -97,16 +97,16 @@ class Follower {
         return shadow_ray(*world_.stage.bvh, seen.at, wi, distance, world_.scene.transport);
     }
 
-    static Deposit deposit(const EyePath& path, const Lamp& lamp, Rgb value)
+    static Deposit<Rgb> deposit(const EyePath& path, const Lamp& lamp, Rgb value)
     {
-        return {path.sums + lamp.number, nullptr, value * lamp.light->power};
+        return {path.sums + lamp.number, value * lamp.light->power};
     }
 
     void ask(const EyePath& path, const Lamp& lamp, Dir3 wi, double distance, Rgb value)
     {
-        const Deposit found = deposit(path, lamp, value);
+        const Deposit<Rgb> found = deposit(path, lamp, value);
         if (is_black(found.value)) { return; }
-        if (!lamp.shadowed) { return RayQueue::give(found); }
+        if (!lamp.shadowed) { return found.give(); }
         queue_.ask(ray_toward(path.seen, wi, distance), found);
     }
 
@@ -141,7 +141,7 @@ class Follower {
     }
 
     const World& world_;
-    RayQueue& queue_;
+    RayQueue<Rgb>& queue_;
     std::uint32_t first_pair_;  // of this place
 };
 
@@ -169,7 +169,7 @@ World world_of(const Stage& stage, const Scene& scene)
     return world;
 }
 
-void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)
+void follow(const World& world, std::vector<EyePath> paths, RayQueue<Rgb>& queue)
 {
     const Bvh& bvh = *world.stage.bvh;
     const unsigned bounces = world.scene.transport.bounces;
@@ -182,7 +182,6 @@ void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)
         ways.clear();
         for (std::size_t i = 0; i < paths.size(); ++i) {
             follower.ask_lights(paths[i]);
-            if (queue.full()) { queue.flush(); }
             Way way;
             way.path = i;
             if ((!last || world.any_by_surface) && follower.choose_way(paths[i], way)) {
@@ -209,7 +208,6 @@ void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)
             if (!seen) { continue; }
             on.push_back({*seen, ways[w].weight, path.sums, path.sequence, path.point});
         }
-        if (queue.full()) { queue.flush(); }
         paths = std::move(on);
     }
     queue.flush();

@@ -70,9 +70,10 @@ Block aim(const Canvas& canvas, std::size_t begin, std::size_t end)
                               static_cast<double>(column) + dx, static_cast<double>(row) + dy);
             const std::size_t first =
                 ((pixel - begin) * canvas.replicates() + replicate) * canvas.columns();
-            block.samples.push_back({block.sums.data() + first, pixel,
-                                     Sequence(options.seed, pixel, 0, replicate),
-                                     static_cast<std::uint32_t>(places.row(s))});
+            block.samples.push_back(
+                {block.sums.data() + first, pixel,
+                 Sequence(options.seed, pixel, 0, static_cast<std::uint32_t>(replicate)),
+                 static_cast<std::uint32_t>(places.row(s))});
             block.rays.push_back(
                 {camera.eye, direction, 0.0, std::numeric_limits<double>::infinity()});
         }
@@ -102,7 +103,7 @@ void see_lights(const Canvas& canvas, const ShadowRay& ray, const Hit& hit, Rgb*
 }
 
 /// Camera rays, and the paths that start where they hit.
-void trace_block(const Canvas& canvas, Block& block, RayQueue& queue)
+void trace_block(const Canvas& canvas, Block& block, RayQueue<Rgb>& queue)
 {
     const World& world = canvas.world;
     std::vector<Hit> hits(block.rays.size());
@@ -204,7 +205,7 @@ Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions&
     parallel_for(pixels, std::max<std::size_t>(1, most_work / work), options.threads, progress,
                  [&](std::size_t begin, std::size_t end) {
                      Block block = aim(canvas, begin, end);
-                     RayQueue queue(*stage.bvh);
+                     RayQueue<Rgb> queue(*stage.bvh);
                      trace_block(canvas, block, queue);
                      settle(canvas, block);
                      rays += queue.traced();

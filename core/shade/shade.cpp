@@ -1,14 +1,20 @@
 #include "core/shade/shade.h"
 
-#include <cmath>
-#include <numbers>
+#include <algorithm>
+#include <array>
+#include <deque>
 
-#include "core/transport/receiver.h"
+#include "core/shade/shining.h"
 
 namespace relight {
 namespace {
 
-constexpr std::size_t block = 4096;
+using kernel::Block;
+using kernel::block_size;
+
+constexpr std::size_t work_block = 4096;
+
+static_assert(sizeof(Rgbf) == 3 * sizeof(float));  // the kernels write rows of three numbers
 
 /// The `bands` values of one vertex as a colour.
 Rgb at(const std::vector<float>& values, unsigned bands, std::size_t vertex)
@@ -28,93 +34,148 @@ Rgb irradiance(const Column& column, Rgb power, std::size_t vertex)
     return E * power;
 }
 
-Rgb radiance(const SeenVertex& seen, const Scene& scene, const Material& material, Rgb color,
-             const Column& column, const Light& light, std::size_t vertex)
+VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, const Scene& scene,
+                               std::span<const std::uint32_t> materials, std::size_t vertex)
 {
-    const bool delta = is_delta(light.shape);
-    if (E_tells_radiance(scene, material) && (!delta || !column.E_bounced.empty())) {
-        return diffuse_albedo(material, color) * irradiance(column, light.power, vertex) *
-               std::numbers::inv_pi;
-    }
-    Rgb L;
-    if (!column.Lo.empty()) { L = at(column.Lo, 3, vertex) * light.power; }
-    if (!delta || !(column.E[vertex] > 0.0F)) { return L; }
-    // Lo = f(wi, wo) E on the side of the surface that faces the viewer. Seen along its normal, a
-    // two-sided surface shows each light on the side that it lights: Lambert's Lo = rho E / pi
-    // holds for the E of both sides.
-    Vec3 wi = seen.receiver.frame.to_local(arrive(light.shape, seen.receiver.p).wi);
-    if (seen.both_sides) { wi.z = std::abs(wi.z); }
-    const Irradiance E{light.power * static_cast<double>(column.E[vertex])};
-    return L + (f(material, wi, seen.wo, color) * E).value;
-}
-
-Rgb own_light(const SeenVertex& seen, const Stage& stage, const Material& material,
-              std::size_t vertex)
-{
-    const bool front = dot(seen.receiver.frame.n, stage.surface->normals[vertex]) > 0.0;
-    return front ? emission(material, seen.wo.z) : Rgb{};
+    VertexRadiance radiance;
+    radiance.of_lights.resize(scene.lights.size());
+    const Shining shining(stage, transport, scene, vertex);
+    const auto shine = [&](std::size_t /*begin*/, std::size_t /*end*/) {
+        const LocalMaterial material = vertex_material(stage, scene, materials, vertex);
+        Block block;
+        const auto row = [](const double(&rows)[3][block_size]) {
+            return Rgb{rows[0][0], rows[1][0], rows[2][0]};
+        };
+        if (E_tells_radiance(scene, *material)) {
+            shining.albedo(block, *material, vertex, 1);
+            for (const auto& part : shining.parts()) {
+                const Rgb E = irradiance(*part.column, scene.lights[part.light].power, 0);
+                radiance.of_lights[part.light] = row(block.rho) * E * std::numbers::inv_pi;
+            }
+            return;
+        }
+        const kernel::PreparedMaterial prepared(*material);
+        shining.begin(block, *material, prepared.reflector, vertex, 1);
+        radiance.own = row(block.L);
+        for (const auto& part : shining.parts()) {
+            for (auto& band : block.L) { band[0] = 0.0; }
+            shining.add(block, prepared.reflector, part, vertex);
+            radiance.of_lights[part.light] = row(block.L);
+        }
+    };
+    // On a thread as shade()'s are: they flush denormals.
+    Progress progress;
+    parallel_for(1, 1, 1, progress, shine);
+    return radiance;
 }
 
 namespace {
 
-/// Lo = Le + sum over the lights.
-Rgb outgoing(const Stage& stage, const Transport& transport, const Scene& scene,
-             const Material& material, std::size_t v)
+float* rows_of(std::vector<Rgbf>& values)
 {
-    const auto seen = seen_vertex(stage, scene, v);
-    if (!seen) { return {}; }
-    const Rgb color = vertex_color(stage, v);
-    Rgb L = own_light(*seen, stage, material, v);
+    return values.empty() ? nullptr : values.data()->data();
+}
+
+/// The lights' columns, and where their parts go.
+std::vector<kernel::Summand> summands(const Transport& transport, const Scene& scene,
+                                      Shaded& shaded)
+{
+    std::vector<kernel::Summand> lights;
     for (std::size_t l = 0; l < transport.columns.size(); ++l) {
-        const auto& column = transport.columns[l];
+        const Column* column = transport.columns[l].get();
         if (column == nullptr) { continue; }
-        L += radiance(*seen, scene, material, color, *column, scene.lights[l], v);
+        kernel::Summand light;
+        light.E = column->E.data();
+        light.E_bands = column->bands;
+        if (!column->E_bounced.empty()) { light.bounced = column->E_bounced.data(); }
+        if (!column->standard_error.empty()) { light.error = column->standard_error.data(); }
+        light.error_bands = column->E_bounced.empty() ? column->bands : 3;
+        const Rgb power = scene.lights[l].power;
+        std::copy_n(std::array{power.r, power.g, power.b}.data(), 3, light.power);
+        if (!shaded.per_light.empty()) { light.per_light = rows_of(shaded.per_light[l]); }
+        lights.push_back(light);
     }
-    return L;
+    return lights;
+}
+
+/// Takes the memory of `old` for what is asked for; what no loop will write is 0.
+Shaded sized(Shaded old, const Transport& transport, const ShadeOptions& options,
+             std::size_t vertices)
+{
+    old.irradiance.resize(vertices);
+    old.radiance.resize(options.radiance ? vertices : 0);
+    old.standard_error.resize(options.standard_error ? vertices : 0);
+    old.per_light.resize(options.per_light ? transport.columns.size() : 0);
+    for (std::size_t l = 0; l < old.per_light.size(); ++l) {
+        old.per_light[l].resize(vertices);
+        if (transport.columns[l] == nullptr) {
+            std::fill(old.per_light[l].begin(), old.per_light[l].end(), Rgbf{});
+        }
+    }
+    return old;
 }
 
 }  // namespace
 
 Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
-             const ShadeOptions& options, Progress& progress)
+             const ShadeOptions& options, Progress& progress, Shaded reuse)
 {
     const std::size_t vertices = stage.mesh->positions.size();
-    const auto materials = vertex_materials(stage, scene);
-    Shaded shaded;
-    shaded.irradiance.resize(vertices);
-    if (options.radiance) { shaded.radiance.resize(vertices); }
-    if (options.standard_error) { shaded.standard_error.resize(vertices); }
-    if (options.per_light) {
-        shaded.per_light.assign(scene.lights.size(), std::vector<Rgbf>(vertices));
+    const auto materials =
+        options.radiance ? vertex_materials(stage, scene) : std::vector<std::uint32_t>{};
+    Shaded shaded = sized(std::move(reuse), transport, options, vertices);
+    const auto lights = summands(transport, scene, shaded);
+    const Shining shining(stage, transport, scene, 0);
+    std::deque<kernel::PreparedMaterial> prepared;
+    if (options.radiance) {
+        for (const Material& material : scene.materials) { prepared.emplace_back(material); }
     }
-    const auto shade_vertex = [&](std::size_t v) {
-        Rgb E;
-        Rgb variance;
-        for (std::size_t l = 0; l < transport.columns.size(); ++l) {
-            const auto& column = transport.columns[l];
-            if (column == nullptr) { continue; }
-            const Rgb power = scene.lights[l].power;
-            const Rgb one = irradiance(*column, power, v);
-            if (options.per_light) { shaded.per_light[l][v] = to_float(one); }
-            E += one;
-            if (column->standard_error.empty()) { continue; }
-            const unsigned bands = column->E_bounced.empty() ? column->bands : 3;
-            const Rgb error = at(column->standard_error, bands, v) * power;
-            variance += error * error;  // lights draw independent samples
+
+    const auto shine = [&](Block& block, const Material& material,
+                           const kernel::Reflector& reflector, std::size_t begin, std::size_t end) {
+        shining.begin(block, material, reflector, begin, end - begin);
+        for (const auto& part : shining.parts()) { shining.add(block, reflector, part, begin); }
+        kernel::store(block, rows_of(shaded.radiance), begin);
+    };
+    const auto shade_run = [&](Block& block, std::size_t index, std::size_t begin,
+                               std::size_t end) {
+        kernel::Sums sums;
+        sums.lights = lights.data();
+        sums.count = lights.size();
+        sums.E = rows_of(shaded.irradiance);
+        sums.error = rows_of(shaded.standard_error);
+        const Material& material = scene.materials[index];
+        const bool told = options.radiance && E_tells_radiance(scene, material);
+        if (told) {
+            shining.albedo(block, material, begin, end - begin);
+            sums.radiance = rows_of(shaded.radiance);
+            for (std::size_t band = 0; band < 3; ++band) { sums.rho[band] = block.rho[band]; }
         }
-        shaded.irradiance[v] = to_float(E);
-        if (options.standard_error) {
-            shaded.standard_error[v] =
-                to_float({std::sqrt(variance.r), std::sqrt(variance.g), std::sqrt(variance.b)});
+        kernel::add_columns(sums, begin, end);
+        if (!options.radiance || told) { return; }
+        if (scene.textured.empty() || !scene.textured[index]) {
+            return shine(block, material, prepared[index].reflector, begin, end);
         }
-        if (options.radiance) {
-            const LocalMaterial material = vertex_material(stage, scene, materials, v);
-            shaded.radiance[v] = to_float(outgoing(stage, transport, scene, *material, v));
+        for (std::size_t v = begin; v < end; ++v) {  // a material of its own each
+            const LocalMaterial here = vertex_material(stage, scene, materials, v);
+            shine(block, *here, kernel::PreparedMaterial(*here).reflector, v, v + 1);
         }
     };
-    parallel_for(vertices, block, options.threads, progress,
+    parallel_for(vertices, work_block, options.threads, progress,
                  [&](std::size_t begin, std::size_t end) {
-                     for (std::size_t v = begin; v < end; ++v) { shade_vertex(v); }
+                     Block block;
+                     while (begin < end) {  // of one material, and no longer than a block
+                         const std::size_t most = std::min(end, begin + block_size);
+                         std::size_t next = most;
+                         std::size_t index = 0;
+                         if (!materials.empty()) {
+                             index = materials[begin];
+                             next = begin + 1;
+                             while (next < most && materials[next] == index) { ++next; }
+                         }
+                         shade_run(block, index, begin, next);
+                         begin = next;
+                     }
                  });
     return shaded;
 }

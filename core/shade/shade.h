@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/transport/receiver.h"
@@ -23,20 +24,25 @@ struct ShadeOptions {
 };
 
 /// E of one light at a vertex, bounces included. Shaded::irradiance is the sum of these over the
-/// lights, in their order, rounded to float once.
+/// lights, in their order, rounded to float once: to the bit.
 Rgb irradiance(const Column& column, Rgb power, std::size_t vertex);
 
-/// Radiance toward its viewer that a vertex owes to one light. Shaded::radiance is the emission of
-/// a front that is seen plus the sum of these over the lights, in their order, rounded once.
-Rgb radiance(const SeenVertex& seen, const Scene& scene, const Material& material, Rgb color,
-             const Column& column, const Light& light, std::size_t vertex);
+/// What Shaded::radiance of one vertex is made of: `own`, then the lights in their order, summed
+/// and rounded to float once, to the bit.
+struct VertexRadiance {
+    Rgb own;                     ///< what the material sends out by itself
+    std::vector<Rgb> of_lights;  ///< one each of the scene; 0 where it is not enabled
+};
+/// `transport`: of this vertex alone (columns of one row), for which `materials` is
+/// vertex_materials(). All 0 where no viewer sees the vertex.
+VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, const Scene& scene,
+                               std::span<const std::uint32_t> materials, std::size_t vertex);
 
-/// What the material sends out by itself toward the viewer: the seen vertex' front alone shines.
-Rgb own_light(const SeenVertex& seen, const Stage& stage, const Material& material,
-              std::size_t vertex);
-
-/// columns x powers x material -> E and Lo. Sums run over the lights in their order.
+/// columns x powers x material -> E and Lo. Sums run over the lights in their order, in double; f
+/// of materials that are not Lambertian under delta lights is a float, by the kernels (kernels.h).
+/// `reuse`: an answer that is no longer needed, whose memory this one takes (fresh memory costs
+/// more than the arithmetic).
 Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
-             const ShadeOptions& options, Progress& progress);
+             const ShadeOptions& options, Progress& progress, Shaded reuse = {});
 
 }  // namespace relight

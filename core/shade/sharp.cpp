@@ -1,36 +1,53 @@
 #include "core/shade/sharp.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace relight {
 
 std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surface,
-                                          std::span<const Rgbf> irradiance)
+                                          std::span<const Rgbf> irradiance, unsigned threads,
+                                          Progress& progress)
 {
-    constexpr double lit_at_all = 1e-3;  // of the brightest
-    std::vector<double> E;
-    E.reserve(irradiance.size());
-    for (const Rgbf& bands : irradiance) { E.push_back(luminance(to_double(bands))); }
-    const double brightest = E.empty() ? 0.0 : *std::max_element(E.begin(), E.end());
+    constexpr float lit_at_all = 1e-3F;  // of the brightest
+    constexpr std::size_t block = 1 << 14;
+    std::vector<float> E(irradiance.size());
+    parallel_for(E.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            E[v] = static_cast<float>(luminance(to_double(irradiance[v])));
+        }
+    });
+    const float brightest = E.empty() ? 0.0F : *std::max_element(E.begin(), E.end());
     const auto is_sharp = [&](std::uint32_t a, std::uint32_t b) {
+        const float larger = std::max(E[a], E[b]);
+        const float apart = std::abs(E[a] - E[b]);
+        if (!(apart > 0.5F * larger) || !(larger > lit_at_all * brightest)) { return false; }
         // Of a vertex without a normal, which is dark, the difference is 1: never sharp.
         const double turned = length(Vec3(surface.normals[a]) - surface.normals[b]);
-        const double larger = std::max(E[a], E[b]);
-        return larger > lit_at_all * brightest &&
-               std::abs(E[a] - E[b]) > 0.5 * larger + 2.0 * brightest * turned;
+        return static_cast<double>(apart) >
+               0.5 * static_cast<double>(larger) + 2.0 * static_cast<double>(brightest) * turned;
     };
-    std::vector<std::uint32_t> vertices;
+    std::vector<std::uint8_t> sharp(irradiance.size());
+    const auto mark = [&](std::uint32_t v) {
+        std::atomic_ref(sharp[v]).store(1, std::memory_order_relaxed);
+    };
     const Faces& faces = mesh.faces;
-    for (std::size_t f = 0; f < faces.count(); ++f) {
-        for (std::size_t c = faces.begin(f), before = faces.end(f) - 1; c < faces.end(f);
-             before = c++) {
-            const std::uint32_t a = faces.indices[before], b = faces.indices[c];
-            if (is_sharp(a, b)) { vertices.insert(vertices.end(), {a, b}); }
+    parallel_for(faces.count(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            for (std::size_t c = faces.begin(f), before = faces.end(f) - 1; c < faces.end(f);
+                 before = c++) {
+                const std::uint32_t a = faces.indices[before], b = faces.indices[c];
+                if (!is_sharp(a, b)) { continue; }
+                mark(a);
+                mark(b);
+            }
         }
+    });
+    std::vector<std::uint32_t> vertices;
+    for (std::size_t v = 0; v < sharp.size(); ++v) {
+        if (sharp[v] != 0) { vertices.push_back(static_cast<std::uint32_t>(v)); }
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     return vertices;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/geometry/surface.h"
 
 namespace relight {
@@ -18,6 +19,7 @@ namespace relight {
 /// light's distance on a mesh that resolves it: below a point light of height h no edge shorter
 /// than 0.4 h falls to half. Longer ones are sharp without a shadow, and just as coarse.
 std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surface,
-                                          std::span<const Rgbf> irradiance);
+                                          std::span<const Rgbf> irradiance, unsigned threads,
+                                          Progress& progress);
 
 }  // namespace relight

@@ -6,19 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "core/base/parallel.h"
+#include "core/base/progress.h"
 #include "core/geometry/mesh.h"
 #include "core/geometry/surface.h"
+#include "core/trace/unit_box.h"
 
 namespace relight {
-
-/// A shadow ray in scene units: from p (already off the surface) toward wi, as far as `distance`.
-struct ShadowRay {
-    Point3 origin;
-    Dir3 direction;
-    double from{};      ///< nothing nearer than this counts, scene units
-    double distance{};  ///< nothing beyond it does, scene units; infinite is allowed
-};
 
 /// What a ray meets first.
 struct Hit {
@@ -28,11 +21,23 @@ struct Hit {
     bool is_point{};
 };
 
-/// A receiver steps `offset` along its normal before it looks around, and ignores what is nearer
-/// than `from` along the ray. Both in scene units.
-struct Clearance {
-    double offset{};
-    double from{};
+struct RayFields;  // shadow_stream.h
+
+/// How much care a tree is built with. Answers are the same, but for rays that run along a
+/// silhouette to the last bits of a float: there either answer is right.
+enum class TreeQuality {
+    Fast,  ///< RTC_BUILD_QUALITY_LOW
+    Good,  ///< RTC_BUILD_QUALITY_MEDIUM
+};
+
+/// The quality that answers soonest when so many rays are to be traced through so many triangles or
+/// points, the building of the tree included.
+TreeQuality tree_for(std::uint64_t rays, std::uint64_t primitives);
+
+/// How rays are handed to Embree. Answers are the same, as above.
+enum class RayPattern {
+    OneByOne,  ///< rtcOccluded1: the fastest up to AVX
+    Streams,   ///< rtcOccludedNp, incoherent: the fastest from AVX2 on
 };
 
 /// Embree's acceleration structure over a surface's triangles, or over its points as oriented discs
@@ -45,6 +50,10 @@ class Bvh {
   public:
     /// @param point_radius_scale radius of a cloud's discs in units of the local spacing
     Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale = 1.5);
+    /// @param progress ends the building soon after it is stopped; what is there then
+    /// (progress.stopped()) is not to be asked
+    Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale, TreeQuality quality,
+        Progress& progress);
     Bvh(Bvh&&) noexcept;
     Bvh& operator=(Bvh&&) noexcept;
     ~Bvh();
@@ -53,6 +62,8 @@ class Bvh {
     void occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> blocked) const;
 
     /// The nearest thing along direction further than `from` from the origin; primitive ~0 if none.
+    /// Of things that floats cannot tell apart the one that is nearest in double, and of equals
+    /// (the two sides of an edge, a face filed twice) the one of the lowest index.
     Hit nearest(Point3 origin, Dir3 direction, double from = 0.0) const;
 
     /// hits[i] = the nearest thing on rays[i], the same as asked for one by one.
@@ -71,15 +82,26 @@ class Bvh {
     bool open_above(Point3 p, Dir3 n, double margin) const;
 
     /// What a receiver with this spacing keeps clear of, so that it does not shadow itself.
-    Clearance clearance(double spacing) const;
+    Clearance clearance(double spacing) const { return clearance_(spacing); }
+    const ClearanceRule& clearance() const { return clearance_; }
 
-    std::uint64_t bytes() const;  ///< memory held
+    TreeQuality quality() const;
+    std::uint64_t bytes() const;                 ///< memory held
+    const UnitBox& box() const { return box_; }  ///< in which rays are traced
+    /// The fastest for this machine's instruction set, unless told otherwise (by a test).
+    void use(RayPattern pattern);
 
     /// Version and instruction set of the ray kernel: "Embree 3.13.5, AVX2".
     static std::string kernel();
 
   private:
+    friend class ShadowStream;
+    /// Of the first blocked.size() rays; what is left of them is not to be used.
+    void trace(RayFields& rays, std::span<std::uint8_t> blocked) const;
+
     struct Impl;
+    UnitBox box_;
+    ClearanceRule clearance_;
     std::unique_ptr<Impl> impl_;
 };
 

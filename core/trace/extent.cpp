@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 namespace relight {
 namespace {
@@ -79,24 +80,44 @@ double Extent::reach(Dir3 n) const
     return bound;
 }
 
-Extent extent_of(const Mesh& mesh, const Surface& surface, Point3 centre, double point_radius_scale)
+void Extent::add(const Extent& other)
 {
-    Extent extent(surface.normals);
-    if (surface.triangles.empty()) {
-        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-            const double radius = point_radius_scale * static_cast<double>(surface.spacing[i]);
-            if (!surface.normals[i] || !(radius > 0.0)) { continue; }  // no disc, no shadow
-            extent.add(mesh.positions[i] - centre, radius, surface.normals[i]);
-        }
+    for (std::size_t k = 0; k < slabs_.size(); ++k) {
+        slabs_[k].least = std::min(slabs_[k].least, other.slabs_[k].least);
+        slabs_[k].most = std::max(slabs_[k].most, other.slabs_[k].most);
     }
-    std::vector<bool> used(mesh.positions.size());
+    radius_ = std::max(radius_, other.radius_);
+}
+
+Extent extent_of(const Mesh& mesh, const Surface& surface, Point3 centre, double point_radius_scale,
+                 Progress& progress)
+{
+    constexpr std::size_t block = 1 << 13;  // places; milliseconds
+    const Extent nothing(surface.normals);
+    const bool cloud = surface.triangles.empty();
+    std::vector<std::uint8_t> used(cloud ? 0 : mesh.positions.size());
     for (const Triangle& t : surface.triangles) {
-        for (const unsigned v : t) { used[v] = true; }
+        for (const unsigned v : t) { used[v] = 1; }
     }
-    for (std::size_t v = 0; v < used.size(); ++v) {
-        if (used[v]) { extent.add(mesh.positions[v] - centre); }
-    }
-    return extent;
+    Extent whole = nothing;
+    std::mutex joining;
+    parallel_for(
+        mesh.positions.size(), block, 0, progress, [&](std::size_t begin, std::size_t end) {
+            Extent part = nothing;
+            for (std::size_t i = begin; i < end; ++i) {
+                const Vec3 place = mesh.positions[i] - centre;
+                if (!cloud) {
+                    if (used[i] != 0) { part.add(place); }
+                    continue;
+                }
+                const double radius = point_radius_scale * static_cast<double>(surface.spacing[i]);
+                if (!surface.normals[i] || !(radius > 0.0)) { continue; }  // no disc, no shadow
+                part.add(place, radius, surface.normals[i]);
+            }
+            const std::lock_guard lock(joining);
+            whole.add(part);
+        });
+    return whole;
 }
 
 }  // namespace relight

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/progress.h"
 #include "core/base/vec.h"
 #include "core/geometry/surface.h"
 
@@ -28,6 +29,9 @@ class Extent {
     /// Takes in a disc of this radius around a place; radius 0: the place alone.
     void add(Vec3 place, double radius = 0.0, Dir3 normal = {});
 
+    /// Takes in what another, made with the same favoured directions, holds.
+    void add(const Extent& other);
+
     /// Not less than the largest dot(x, n) of everything added, and equal to it along the 26 and
     /// the favoured directions; -infinity of nothing. To within a rounding of double.
     double reach(Dir3 n) const;
@@ -42,8 +46,8 @@ class Extent {
 };
 
 /// Of all that casts shadows, around `centre`: the corners of triangles, or the discs of a cloud
-/// (of radius `point_radius_scale` x spacing).
-Extent extent_of(const Mesh& mesh, const Surface& surface, Point3 centre,
-                 double point_radius_scale);
+/// (of radius `point_radius_scale` x spacing). Not to be used once progress is stopped.
+Extent extent_of(const Mesh& mesh, const Surface& surface, Point3 centre, double point_radius_scale,
+                 Progress& progress);
 
 }  // namespace relight

@@ -1,10 +1,7 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "core/base/rgb.h"
 
 namespace relight {
 
@@ -39,15 +36,5 @@ constexpr double student_factor(unsigned replicates)
     constexpr double t_of_32 = 2.040;
     return (replicates <= 16 ? t[std::max(replicates, 2U) - 2] : t_of_32) / 1.960;
 }
-
-/// What the samples of one vertex under one light have come to, a replicate each. Sums over the
-/// points so far: `lit` of what arrived, `all` of what would have with nothing in the way.
-struct Tally {
-    std::array<Rgb, most_replicates> lit{}, all{}, bounced{};
-    double open = 0.0, total = 0.0;  ///< the same over all replicates, as luminance, of those
-                                     ///< points that were drawn from the light
-    unsigned rays = 0;               ///< that asked for the light itself
-    unsigned blocked = 0;            ///< of them
-};
 
 }  // namespace relight

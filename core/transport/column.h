@@ -7,26 +7,26 @@
 
 namespace relight {
 
-/// E, visibility, bounces and their error of one light at the vertices [begin, end).
-Column direct_and_bounced(const Source& source, std::size_t begin, std::size_t end);
+/// Some vertices, by index: a block of a column is made of them, in their order.
+using Vertices = std::span<const std::uint32_t>;
+
+/// E, visibility, bounces and their error of one light. Visibility comes as shares.
+Column direct_and_bounced(const Source& source, Vertices vertices);
+
+/// The direct part of a delta light: one ray a vertex that faces it. The column has its size.
+void fill_delta(const Source& source, Vertices vertices, Column& column);
 
 /// Some vertex may send light toward the viewer that its E does not tell.
 bool needs_radiance(const Source& source);
 
-/// Draws that radiance, Column::Lo, of the same vertices. `materials`: vertex_materials().
-void add_radiance(const Source& source, std::span<const std::uint32_t> materials, std::size_t begin,
-                  std::size_t end, Column& column);
+/// Draws that radiance, Column::Lo. `materials`: vertex_materials().
+Column radiance_drawn(const Source& source, std::span<const std::uint32_t> materials,
+                      Vertices vertices);
 
-/// Cosine-weighted visibility of the sky at the vertices [begin, end), and with `sh` what it lets
-/// in of each of the nine real spherical harmonics up to degree 2: int V cos Y_lm dw (Ramamoorthi &
-/// Hanrahan 2001 for the open case). E of a sky with coefficients L_lm is sum T_lm L_lm.
+/// Cosine-weighted visibility of the sky, and with `sh` what it lets in of each of the nine real
+/// spherical harmonics up to degree 2: int V cos Y_lm dw (Ramamoorthi & Hanrahan 2001 for the open
+/// case). E of a sky with coefficients L_lm is sum T_lm L_lm.
 /// World axes; order (0,0) (1,-1) (1,0) (1,1) (2,-2) .. (2,2); Y_1-1 ~ y, Y_10 ~ z, Y_11 ~ x.
-struct SkyVisibility {
-    std::vector<float> ambient_occlusion;  ///< one a vertex
-    std::vector<float> sh;                 ///< nine a vertex, or empty
-    std::uint64_t rays = 0;
-};
-SkyVisibility sky_visibility(const Stage& stage, const Scene& scene, bool sh, std::size_t begin,
-                             std::size_t end);
+Column sky_visibility(const Stage& stage, const Scene& scene, bool sh, Vertices vertices);
 
 }  // namespace relight

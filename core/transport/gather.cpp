@@ -30,13 +30,6 @@ ShadowRay ray_toward(const Source& source, const Receiver& receiver, const Light
     return shadow_ray(bvh, receiver, there.wi, distance, source.scene.transport);
 }
 
-/// A sky that is found by looking about, not by drawing it.
-bool is_even_sky(const LightShape& shape)
-{
-    const auto* sky = std::get_if<EnvironmentLight>(&shape);
-    return sky != nullptr && (!sky->map || sky->map->is_even());
-}
-
 }  // namespace
 
 std::uint64_t key_of(const Receiver& receiver)
@@ -49,33 +42,10 @@ std::uint64_t key_of(const Receiver& receiver)
     return key;
 }
 
-void RayQueue::give(const Deposit& deposit)
+bool is_even_sky(const LightShape& shape)
 {
-    *deposit.lit += deposit.value;
-    if (deposit.tally != nullptr) {
-        const double weight = luminance(deposit.value);
-        deposit.tally->open += weight;
-        deposit.tally->total += weight;
-    }
-}
-
-void RayQueue::flush()
-{
-    blocked_.assign(rays_.size(), 0);
-    bvh_.occluded(rays_, blocked_);
-    for (std::size_t r = 0; r < rays_.size(); ++r) {
-        const Deposit& deposit = deposits_[r];
-        if (deposit.tally != nullptr) { ++deposit.tally->rays; }
-        if (blocked_[r] == 0) {
-            give(deposit);
-        } else if (deposit.tally != nullptr) {
-            ++deposit.tally->blocked;
-            deposit.tally->total += luminance(deposit.value);
-        }
-    }
-    traced_ += rays_.size();
-    rays_.clear();
-    deposits_.clear();
+    const auto* sky = std::get_if<EnvironmentLight>(&shape);
+    return sky != nullptr && (!sky->map || sky->map->is_even());
 }
 
 Rgb Response::value(Vec3 wi) const
@@ -101,28 +71,27 @@ Vec3 Response::sample(Sample2 s, Sample2 pick) const
     return wi;
 }
 
-void gather_direct(const Source& source, const Receiver& receiver, const Response& response,
-                   const Sequence& sequence, unsigned begin, unsigned end, bool closed, Rgb& lit,
-                   Rgb* all, Tally* tally, RayQueue& queue)
+void gather_direct(const Source& source, const Receiver& receiver, const LightView& view,
+                   const Response& response, const Sequence& sequence, unsigned begin, unsigned end,
+                   Rgb& lit, Unblocked* seen, RayQueue<Rgb>& queue)
 {
     const LightShape& shape = source.light.shape;
     const auto* faces = std::get_if<MeshLight>(&shape);
     const bool shadowed = source.shadowed();
-    // A face seen along a ray is the light only where the ray meets it first, whatever is between.
     const bool response_only = is_even_sky(shape);
-    const bool seen_through =
+    // A face seen along a ray is the light only where the ray meets it first, whatever is between.
+    const bool light_only =
         faces != nullptr && (!shadowed || source.scene.transport.max_distance.has_value());
-    const bool light_only = (closed && !response_only) || seen_through;
     const bool parts = faces != nullptr || std::holds_alternative<SkyLight>(shape);
     const double share = light_only || response_only ? 1.0 : 0.5;  // of the points, each way
     const auto density = [&](double by_light, double by_response) {
         return (response_only ? 0.0 : share * by_light) + (light_only ? 0.0 : share * by_response);
     };
-    const auto deposit = [&](const LightSample& there, Rgb value, bool from_light) {
+    const auto deposit = [&](const LightSample& there, Rgb value) {
         if (is_black(value)) { return; }
-        if (all != nullptr) { *all += value; }
-        const Deposit one{&lit, from_light ? tally : nullptr, value};
-        if (!shadowed) { return RayQueue::give(one); }
+        if (seen != nullptr) { seen->total += luminance(value); }
+        const Deposit<Rgb> one{&lit, value, seen != nullptr ? &seen->open : nullptr};
+        if (!shadowed) { return one.give(); }
         queue.ask(ray_toward(source, receiver, there), one);
     };
     for (unsigned point = begin; point < end; ++point) {
@@ -130,19 +99,20 @@ void gather_direct(const Source& source, const Receiver& receiver, const Respons
         const unsigned i = light_only || response_only ? point : point / 2;
         if (!response_only && (light_only || point % 2 == 0)) {
             const double pick = parts ? sequence.at(i, light_pick).u : 0.0;
-            const LightSample there = sample(shape, receiver.p, sequence.at(i, light_pair), pick);
+            const LightSample there = sample(view, sequence.at(i, light_pair), pick);
             if (!there.wi) { continue; }
             const Vec3 wi = receiver.frame.to_local(there.wi);
-            const double p = density(there.pdf, response.pdf(wi));
-            deposit(there, ratio(there.L * response.value(wi), p), true);
+            const Rgb value = there.L * response.value(wi);
+            if (is_black(value)) { continue; }
+            deposit(there, ratio(value, density(there.pdf, light_only ? 0.0 : response.pdf(wi))));
             continue;
         }
         const Vec3 local =
-            response.sample(sequence.at(i, response_pair), sequence.at(i, response_pick));
+            response.sample(sequence.at(i, response_pair),
+                            response.picks() ? sequence.at(i, response_pick) : Sample2{});
         const double by_response = response.pdf(local);
         const Dir3 wi = normalize(receiver.frame.to_world(local));
         if (!(by_response > 0.0) || !wi) { continue; }
-        LightSample there;
         if (faces != nullptr) {
             const ShadowRay ray =
                 shadow_ray(*source.stage.bvh, receiver, wi, std::numeric_limits<double>::infinity(),
@@ -150,14 +120,79 @@ void gather_direct(const Source& source, const Receiver& receiver, const Respons
             const Hit hit = source.stage.bvh->nearest(ray.origin, ray.direction, ray.from);
             queue.count(1);
             if (hit.primitive == ~0U) { continue; }
-            there = faces->table->look(hit.primitive, receiver.p, wi);
-            const double p = density(there.pdf, by_response);
-            lit += ratio(there.L * response.value(local), p);
+            const LightSample there = faces->table->look(hit.primitive, receiver.p, wi);
+            lit += ratio(there.L * response.value(local), density(there.pdf, by_response));
             continue;
         }
-        there = look(shape, receiver.p, wi);
-        const double p = density(there.pdf, by_response);
-        deposit(there, ratio(there.L * response.value(local), p), response_only);
+        const LightSample there = look(view, wi);
+        if (is_black(there.L)) { continue; }
+        deposit(there, ratio(there.L * response.value(local), density(there.pdf, by_response)));
+    }
+}
+
+namespace {
+
+/// Hands the rays that lanes have drawn to `bring(ray, replicate, lane)`.
+template <class Bring>
+void ask_for(const Drawn& drawn, const Lanes& lanes, const Receiver& receiver, const Bring& bring)
+{
+    for (unsigned i = 0; i < lanes.count; ++i) {
+        if (drawn.E[i] > 0.0) { bring(drawn.ray(receiver, i), lanes.replicate[i], i); }
+    }
+}
+
+}  // namespace
+
+unsigned gather_irradiance(const Source& source, const Receiver& receiver, const LightView& view,
+                           const Sequence& sequence, std::span<const Lanes> lanes,
+                           std::span<double> lit, std::span<double> all, RayQueue<double>& queue)
+{
+    const TransportOptions& options = source.scene.transport;
+    unsigned rays = 0;
+    const auto gather = [&](const auto& from, std::uint32_t pair) {
+        for (const Lanes& some : lanes) {
+            const Drawn drawn =
+                draw(from, receiver, *source.stage.bvh, options, sequence, pair, some);
+            ask_for(drawn, some, receiver, [&](const ShadowRay& ray, std::uint32_t r, unsigned i) {
+                all[r] += drawn.E[i];
+                queue.ask(ray, {&lit[r], drawn.E[i]});
+                ++rays;
+            });
+        }
+    };
+    if (const auto* rect = std::get_if<RectView>(&view)) { gather(*rect, light_pair); }
+    if (const auto* disk = std::get_if<DiskView>(&view)) { gather(*disk, light_pair); }
+    if (const auto* ball = std::get_if<SphereView>(&view)) { gather(*ball, light_pair); }
+    if (const auto* sun = std::get_if<SunView>(&view)) { gather(*sun, light_pair); }
+    if (std::holds_alternative<EnvironmentView>(view)) {
+        gather(CosineView(receiver.frame, options.two_sided), response_pair);
+    }
+    return rays;
+}
+
+void gather_irradiance(const Source& source, const Receiver& receiver, const EnvironmentView& sky,
+                       const Sequence& sequence, std::span<const Lanes> lanes, std::span<Rgb> lit,
+                       Unblocked& seen, RayQueue<Rgb>& queue)
+{
+    const EnvironmentMap& map = *sky.map();
+    const CosineView cosine(receiver.frame, source.scene.transport.two_sided);
+    const bool shadowed = source.shadowed();
+    std::array<std::size_t, Lanes::most> texels;
+    for (const Lanes& some : lanes) {
+        const Drawn drawn = draw(cosine, receiver, *source.stage.bvh, source.scene.transport,
+                                 sequence, response_pair, some);
+        for (unsigned i = 0; i < some.count; ++i) {
+            texels[i] = map.texel_along(sky.in_map(drawn.direction(i)));
+            map.fetch(texels[i]);
+        }
+        ask_for(drawn, some, receiver, [&](const ShadowRay& ray, std::uint32_t r, unsigned i) {
+            const Rgb L = map.seen(texels[i], {}).L;
+            const Deposit<Rgb> one{&lit[r], L * drawn.E[i], &seen.open};
+            if (is_black(one.value)) { return; }
+            seen.total += luminance(one.value);
+            if (!shadowed) { return one.give(); }
+            queue.ask(ray, one);
+        });
     }
 }
 
@@ -165,7 +200,7 @@ namespace {
 
 /// Direct E at a bounce, from one draw of the light, times `weight`.
 void pick_up(const Source& source, const Path& path, Rgb weight, std::uint32_t pair,
-             RayQueue& queue)
+             RayQueue<Rgb>& queue)
 {
     const LightShape& shape = source.light.shape;
     const Receiver& at = path.at;
@@ -186,9 +221,9 @@ void pick_up(const Source& source, const Path& path, Rgb weight, std::uint32_t p
                        path.sequence.at(path.point, pair + 1).u);
         E = ratio(there.L * std::max(0.0, dot(at.ng, there.wi)), there.pdf);
     }
-    const Deposit deposit{path.bounced, nullptr, weight * E};
+    const Deposit<Rgb> deposit{path.bounced, weight * E};
     if (!there.wi || is_black(deposit.value)) { return; }
-    if (!source.shadowed()) { return RayQueue::give(deposit); }
+    if (!source.shadowed()) { return deposit.give(); }
     queue.ask(ray_toward(source, at, there), deposit);
 }
 
@@ -205,7 +240,7 @@ void start_path(const Receiver& receiver, const Response& response, const Sequen
     paths.push_back({receiver, wi, weight, &bounced, sequence, point});
 }
 
-void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue& queue)
+void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue<Rgb>& queue)
 {
     const Stage& stage = source.stage;
     std::vector<ShadowRay> rays;
@@ -237,7 +272,6 @@ void follow(const Source& source, std::vector<Path> paths, unsigned bounces, Ray
             path.wi = normalize(path.at.frame.to_world(local));
             if (path.wi) { on.push_back(path); }
         }
-        if (queue.full()) { queue.flush(); }
         paths = std::move(on);
     }
 }

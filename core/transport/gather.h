@@ -1,11 +1,15 @@
 #pragma once
 
+#include <array>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/base/progress.h"
 #include "core/base/sobol.h"
+#include "core/trace/shadow_stream.h"
 #include "core/transport/budget.h"
+#include "core/transport/draws.h"
 #include "core/transport/receiver.h"
 
 namespace relight {
@@ -22,9 +26,10 @@ struct Source {
     std::uint64_t number = 0;  ///< part of the random numbers' key
 
     bool shadowed() const { return scene.transport.shadows && light.cast_shadows; }
-    Sequence sequence(const Receiver& receiver, unsigned replicate) const
+    /// Replicate 0 of a receiver's.
+    Sequence sequence(const Receiver& receiver) const
     {
-        return {scene.transport.seed, key_of(receiver), number, replicate};
+        return {scene.transport.seed, key_of(receiver), number, 0};
     }
 };
 
@@ -40,37 +45,56 @@ constexpr Rgb ratio(Rgb value, double pdf)
     return pdf > 0.0 && is_finite(pdf) ? value / pdf : Rgb{};
 }
 
+/// What comes of the light's direct samples beside their sums: how much of what they ask for is
+/// seen.
+struct Unblocked {
+    double open = 0.0, total = 0.0;  ///< luminance of what arrives, and of what would unblocked
+};
+
 /// A share of a vertex's answer that counts if its ray gets through.
+template <class Value>
 struct Deposit {
-    Rgb* lit;      ///< where it is added
-    Tally* tally;  ///< counts the ray and its weight as one toward the light; may be null
-    Rgb value;
+    Value* lit;  ///< where it is added
+    Value value;
+    double* open = nullptr;  ///< where its luminance is added too, if not null
+
+    void give() const
+    {
+        *lit += value;
+        if constexpr (std::is_same_v<Value, Rgb>) {
+            if (open != nullptr) { *open += luminance(value); }
+        }
+    }
 };
 
 /// Rays waiting to be traced together, each with what it brings. Order of arrival is kept: sums do
-/// not depend on where a flush falls.
+/// not depend on where a flush falls. Deposits outlive the flush.
+/// @tparam Value Rgb; or double, of lights of one colour
+template <class Value>
 class RayQueue {
   public:
-    explicit RayQueue(const Bvh& bvh) : bvh_(bvh) {}
+    explicit RayQueue(const Bvh& bvh) : stream_(bvh) {}
 
-    void ask(const ShadowRay& ray, const Deposit& deposit)
+    void ask(const ShadowRay& ray, const Deposit<Value>& deposit)
     {
-        rays_.push_back(ray);
-        deposits_.push_back(deposit);
+        deposits_[stream_.size()] = deposit;
+        stream_.put(ray);
+        if (stream_.full()) { flush(); }
     }
-    /// Deposits without a ray: nothing can be in the way.
-    static void give(const Deposit& deposit);
-    bool full() const { return rays_.size() >= enough; }
-    void flush();
+    void flush()
+    {
+        const std::span<const std::uint8_t> blocked = stream_.trace();
+        traced_ += blocked.size();
+        for (std::size_t r = 0; r < blocked.size(); ++r) {
+            if (blocked[r] == 0) { deposits_[r].give(); }
+        }
+    }
     void count(std::uint64_t rays) { traced_ += rays; }  ///< traced elsewhere
     std::uint64_t traced() const { return traced_; }
 
   private:
-    static constexpr std::size_t enough = 8192;
-    const Bvh& bvh_;
-    std::vector<ShadowRay> rays_;
-    std::vector<Deposit> deposits_;
-    std::vector<std::uint8_t> blocked_;
+    ShadowStream stream_;
+    std::array<Deposit<Value>, ShadowStream::capacity> deposits_;
     std::uint64_t traced_ = 0;
 };
 
@@ -89,6 +113,7 @@ class Response {
     Rgb value(Vec3 wi) const;
     double pdf(Vec3 wi) const;  ///< of sample(), 1/sr
     Vec3 sample(Sample2 s, Sample2 pick) const;
+    bool picks() const { return two_sided_ || material_ != nullptr; }  ///< sample() looks at `pick`
 
   private:
     bool two_sided_;
@@ -97,13 +122,28 @@ class Response {
     Rgb color_;
 };
 
-/// Points [begin, end) of one replicate's direct light (of a light that is no delta) at a receiver:
-/// even ones drawn from the light, odd ones from the response, joined by the balance heuristic
-/// (Veach & Guibas 1995); where `closed` the light alone is drawn, an even sky by the response
-/// alone.
-void gather_direct(const Source& source, const Receiver& receiver, const Response& response,
-                   const Sequence& sequence, unsigned begin, unsigned end, bool closed, Rgb& lit,
-                   Rgb* all, Tally* tally, RayQueue& queue);
+/// A sky that is found by looking about, not by drawing it.
+bool is_even_sky(const LightShape& shape);
+
+/// Points [begin, end) of one replicate's direct light (of a light that is no delta) at a receiver
+/// that sees it as `view`: even ones drawn from the light, odd ones from the response, joined by
+/// the balance heuristic (Veach & Guibas 1995); an even sky by the response alone.
+/// @param seen null: not asked for
+void gather_direct(const Source& source, const Receiver& receiver, const LightView& view,
+                   const Response& response, const Sequence& sequence, unsigned begin, unsigned end,
+                   Rgb& lit, Unblocked* seen, RayQueue<Rgb>& queue);
+
+/// The same points of all replicates at once, of a light of one colour by itself, or of an even sky
+/// by the cosine: an E.
+/// @param lit, all a number a replicate: of what arrives, and of what would with nothing in the way
+/// @return rays asked for
+unsigned gather_irradiance(const Source& source, const Receiver& receiver, const LightView& view,
+                           const Sequence& sequence, std::span<const Lanes> lanes,
+                           std::span<double> lit, std::span<double> all, RayQueue<double>& queue);
+/// Of an even sky of any colours.
+void gather_irradiance(const Source& source, const Receiver& receiver, const EnvironmentView& sky,
+                       const Sequence& sequence, std::span<const Lanes> lanes, std::span<Rgb> lit,
+                       Unblocked& seen, RayQueue<Rgb>& queue);
 
 /// A path that goes on from a place: what it carries, and where it is counted.
 struct Path {
@@ -121,6 +161,6 @@ void start_path(const Receiver& receiver, const Response& response, const Sequen
 
 /// Follows paths for up to `bounces` surfaces. At each they pick up the light's direct E once and
 /// send rho E / pi on, by cosine. Diffuse, flat faces, both sides.
-void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue& queue);
+void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue<Rgb>& queue);
 
 }  // namespace relight

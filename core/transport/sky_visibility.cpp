@@ -8,7 +8,6 @@ namespace relight {
 namespace {
 
 constexpr std::size_t coefficients = 9;
-constexpr std::size_t enough_rays = 8192;          // traced together
 constexpr std::uint64_t sky_number = 1ULL << 32U;  // no light's number
 
 /// Real spherical harmonics up to degree 2.   Sloan 2008, app. A2
@@ -38,63 +37,60 @@ std::array<double, coefficients> open_transfer(Dir3 n)
 
 }  // namespace
 
-SkyVisibility sky_visibility(const Stage& stage, const Scene& scene, bool sh, std::size_t begin,
-                             std::size_t end)
+Column sky_visibility(const Stage& stage, const Scene& scene, bool sh, Vertices vertices)
 {
-    const std::size_t count = end - begin;
-    SkyVisibility sky;
+    const std::size_t count = vertices.size();
+    Column sky;
     sky.ambient_occlusion.resize(count);
     if (sh) { sky.sh.resize(count * coefficients); }
     const unsigned samples = budget_of(scene.transport.samples).samples();
-    std::vector<ShadowRay> rays;
-    std::vector<std::uint8_t> blocked;
-    const auto write_sh = [&](std::size_t i, const std::array<double, coefficients>& T) {
-        for (std::size_t k = 0; k < coefficients; ++k) {
-            sky.sh[i * coefficients + k] = static_cast<float>(T[k]);
-        }
+    const std::vector<Lanes> lanes = lanes_of(1, 0, samples);
+    struct Asking {
+        std::size_t at;  ///< in the column
+        Vec3 wi;
     };
-    std::vector<std::size_t> asking;
+    std::array<Asking, ShadowStream::capacity> asking;
+    std::vector<std::array<double, coefficients>> T(sh ? count : 0);
+    ShadowStream stream(*stage.bvh);
     const auto settle = [&] {
-        blocked.assign(rays.size(), 0);
-        stage.bvh->occluded(rays, blocked);
-        sky.rays += rays.size();
-        for (std::size_t a = 0; a < asking.size(); ++a) {
-            double open = 0.0;
-            std::array<double, coefficients> T{};
-            for (std::size_t r = a * samples; r < (a + 1) * samples; ++r) {
-                if (blocked[r] != 0) { continue; }
-                open += 1.0;
-                if (!sh) { continue; }
-                const auto Y = harmonics(rays[r].direction);
-                for (std::size_t k = 0; k < coefficients; ++k) {
-                    T[k] += Y[k] * std::numbers::pi / samples;
-                }
+        const auto blocked = stream.trace();
+        sky.rays += blocked.size();
+        for (std::size_t r = 0; r < blocked.size(); ++r) {
+            if (blocked[r] != 0) { continue; }
+            sky.ambient_occlusion[asking[r].at] += 1.0F;  // exact: samples are far fewer than 2^24
+            if (!sh) { continue; }
+            const auto Y = harmonics(asking[r].wi);
+            for (std::size_t k = 0; k < coefficients; ++k) {
+                T[asking[r].at][k] += Y[k] * std::numbers::pi / samples;
             }
-            sky.ambient_occlusion[asking[a]] = static_cast<float>(open / samples);
-            if (sh) { write_sh(asking[a], T); }
         }
-        rays.clear();
-        asking.clear();
     };
-    for (std::size_t v = begin; v < end; ++v) {
-        const Receiver receiver = vertex_receiver(stage, v);
+    for (std::size_t at = 0; at < count; ++at) {
+        const Receiver receiver = vertex_receiver(stage, vertices[at]);
         if (!receiver.frame.n) { continue; }
         if (stage.bvh->open_above(receiver.p, receiver.frame.n, receiver.clear.offset)) {
-            sky.ambient_occlusion[v - begin] = 1.0F;
-            if (sh) { write_sh(v - begin, open_transfer(receiver.frame.n)); }
+            sky.ambient_occlusion[at] = static_cast<float>(samples);
+            if (sh) { T[at] = open_transfer(receiver.frame.n); }
             continue;
         }
-        asking.push_back(v - begin);
         const Sequence sequence(scene.transport.seed, key_of(receiver), sky_number, 0);
-        for (unsigned i = 0; i < samples; ++i) {
-            const Vec3 local = warp::cosine_hemisphere(sequence.at(i, 0));
-            rays.push_back(shadow_ray(*stage.bvh, receiver,
-                                      normalize(receiver.frame.to_world(local)),
-                                      std::numeric_limits<double>::infinity(), scene.transport));
+        const CosineView cosine(receiver.frame, false);
+        for (const Lanes& some : lanes) {
+            const Drawn drawn =
+                draw(cosine, receiver, *stage.bvh, scene.transport, sequence, 0, some);
+            for (unsigned i = 0; i < some.count; ++i) {
+                const ShadowRay ray = drawn.ray(receiver, i);
+                asking[stream.size()] = {at, ray.direction};
+                stream.put(ray);
+                if (stream.full()) { settle(); }
+            }
         }
-        if (rays.size() >= enough_rays) { settle(); }
     }
     settle();
+    for (float& open : sky.ambient_occlusion) { open /= static_cast<float>(samples); }
+    for (std::size_t i = 0; i < sky.sh.size(); ++i) {
+        sky.sh[i] = static_cast<float>(T[i / coefficients][i % coefficients]);
+    }
     return sky;
 }
 

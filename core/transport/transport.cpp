@@ -2,115 +2,212 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "core/transport/column.h"
 
 namespace relight {
 namespace {
 
-constexpr std::size_t delta_block = 2048;  // vertices between two looks at progress
+constexpr std::size_t delta_block = 1024;  // vertices between two looks at progress
 
-/// The same where each vertex asks for many rays: some hundred thousand of them together.
+/// The same where each vertex asks for many rays: some ten thousand of them together, which take
+/// milliseconds.
 std::size_t sampled_block(const Scene& scene)
 {
-    constexpr double rays = 1 << 18;
+    constexpr double rays = 1 << 14;
     const double a_vertex = scene.transport.samples * (1.0 + 2.0 * scene.transport.bounces);
     return static_cast<std::size_t>(std::clamp(rays / a_vertex, 1.0, 256.0));
 }
 
-/// Copies a block's values into the whole column's.
-template <class T>
-void place(std::vector<T>& whole, const std::vector<T>& part, std::size_t begin, std::size_t count)
+/// The vertices [begin, end).
+std::vector<std::uint32_t> range(std::size_t begin, std::size_t end)
 {
-    const std::size_t width = part.size() / count;
-    std::copy(part.begin(), part.end(), whole.begin() + static_cast<std::ptrdiff_t>(begin * width));
+    std::vector<std::uint32_t> vertices(end - begin);
+    std::iota(vertices.begin(), vertices.end(), static_cast<std::uint32_t>(begin));
+    return vertices;
 }
 
-Column block_of(const Source& source, bool radiance, std::span<const std::uint32_t> materials,
-                std::size_t begin, std::size_t end)
+/// Copies a block's values to where its vertices stand in the whole column.
+template <class From, class To>
+void place(std::vector<To>& whole, const std::vector<From>& part, Vertices vertices)
 {
-    Column column = direct_and_bounced(source, begin, end);
-    if (radiance && needs_radiance(source)) { add_radiance(source, materials, begin, end, column); }
-    return column;
+    if (part.size() == vertices.size()) {  // by far the most; a copy of n would call memmove
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            whole[vertices[i]] = static_cast<To>(part[i]);
+        }
+        return;
+    }
+    const std::size_t width = part.size() / vertices.size();
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        std::copy_n(part.begin() + static_cast<std::ptrdiff_t>(i * width), width,
+                    whole.begin() + static_cast<std::ptrdiff_t>(vertices[i] * width));
+    }
 }
 
-std::shared_ptr<const Column> whole_column(const Source& source, bool radiance,
-                                           std::span<const std::uint32_t> materials,
-                                           unsigned threads, Progress& progress)
+/// A column of all vertices, block by block along their Morton order. `make` gives the column of
+/// some vertices, with the arrays of `shape`. Nothing when stopped.
+std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t block,
+                                   unsigned threads, Progress& progress,
+                                   const std::function<Column(Vertices)>& make)
+{
+    const auto as_filed = stage.surface->order.empty() ? range(0, stage.mesh->positions.size())
+                                                       : std::vector<std::uint32_t>{};
+    const Vertices order = as_filed.empty() ? Vertices(stage.surface->order) : Vertices(as_filed);
+    std::atomic<std::uint64_t> rays{0};
+    parallel_for(order.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        const Vertices some = order.subspan(begin, end - begin);
+        const Column part = make(some);
+        place(shape.E, part.E, some);
+        place(shape.visible.share, part.visible.share, some);
+        place(shape.E_bounced, part.E_bounced, some);
+        place(shape.standard_error, part.standard_error, some);
+        place(shape.Lo, part.Lo, some);
+        place(shape.ambient_occlusion, part.ambient_occlusion, some);
+        place(shape.sh, part.sh, some);
+        rays += part.rays;
+        progress.advance(some.size());
+    });
+    if (progress.stopped()) { return {}; }
+    shape.rays = rays;
+    return shape;
+}
+
+/// Bytes that are 0 or 1, as bits. `bytes` has room for whole words.
+std::vector<std::uint64_t> packed(std::span<const std::uint8_t> bytes)
+{
+    std::vector<std::uint64_t> bits(bytes.size() / 64);
+    for (std::size_t w = 0; w < bits.size(); ++w) {
+        for (std::size_t k = 0; k < 64; k += 8) {
+            std::uint64_t eight = 0;
+            for (std::size_t b = 8; b-- > 0;) { eight = eight << 8U | bytes[64 * w + k + b]; }
+            // Byte b's bit comes to bit 56 + b: 8 b + (56 - 7 b).
+            constexpr std::uint64_t gather = 0x0102040810204080;
+            bits[w] |= (eight * gather >> 56U) << k;
+        }
+    }
+    return bits;
+}
+
+SharedColumn shared(std::optional<Column>&& column)
+{
+    return column ? std::make_shared<const Column>(std::move(*column)) : nullptr;
+}
+
+SharedColumn irradiance_column(const Source& source, unsigned threads, Progress& progress)
 {
     const std::size_t vertices = source.stage.mesh->positions.size();
     const bool bounces = source.scene.transport.bounces > 0;
-    const bool sampled = bounces || !is_delta(source.light.shape);
-    // An empty block says which arrays there are.
-    auto whole = std::make_shared<Column>(direct_and_bounced(source, 0, 0));
-    whole->E.resize(vertices * whole->bands);
-    whole->visible.resize(vertices);
-    if (bounces) { whole->E_bounced.resize(vertices * 3); }
-    if (sampled) { whole->standard_error.resize(vertices * (bounces ? 3 : whole->bands)); }
-    if (radiance && needs_radiance(source)) { whole->Lo.resize(vertices * 3); }
-    std::atomic<std::uint64_t> rays{0};
-    parallel_for(vertices, sampled ? sampled_block(source.scene) : delta_block, threads, progress,
-                 [&](std::size_t begin, std::size_t end) {
-                     const std::size_t count = end - begin;
-                     const Column part = block_of(source, radiance, materials, begin, end);
-                     place(whole->E, part.E, begin, count);
-                     place(whole->visible, part.visible, begin, count);
-                     place(whole->E_bounced, part.E_bounced, begin, count);
-                     place(whole->standard_error, part.standard_error, begin, count);
-                     place(whole->Lo, part.Lo, begin, count);
-                     rays += part.rays;
-                     progress.advance(count);
-                 });
-    whole->rays = rays;
-    return whole;
+    const bool delta = is_delta(source.light.shape);
+    const bool sampled = bounces || !delta;
+    Column shape;
+    shape.bands = is_grey(source.light.shape) ? 1 : 3;
+    shape.E.resize(vertices * shape.bands);
+    if (bounces) { shape.E_bounced.resize(vertices * 3); }
+    if (sampled) { shape.standard_error.resize(vertices * (bounces ? 3 : shape.bands)); }
+    // Neighbours along a Morton curve share no word of bits: they are told as bytes, without a
+    // race.
+    std::vector<std::uint8_t> seen;
+    if (delta) {
+        seen.resize((vertices + 63) / 64 * 64);
+    } else {
+        shape.visible.share.resize(vertices);
+    }
+    auto whole = whole_column(source.stage, std::move(shape),
+                              sampled ? sampled_block(source.scene) : delta_block, threads,
+                              progress, [&](Vertices some) {
+                                  Column part = direct_and_bounced(source, some);
+                                  if (delta) {
+                                      place(seen, part.visible.share, some);
+                                      part.visible.share.clear();
+                                  }
+                                  return part;
+                              });
+    if (whole && delta) { whole->visible.bits = packed(seen); }
+    return shared(std::move(whole));
 }
 
-void add_sky_visibility(const Stage& stage, const Scene& scene, const TransportWanted& wanted,
-                        Transport& transport, Progress& progress)
+SharedColumn radiance_column(const Source& source, unsigned threads, Progress& progress)
 {
-    const std::size_t vertices = stage.mesh->positions.size();
-    transport.ambient_occlusion.resize(vertices);
-    if (wanted.sh) { transport.sh.resize(9 * vertices); }
-    std::atomic<std::uint64_t> rays{0};
-    parallel_for(vertices, sampled_block(scene), wanted.threads, progress,
-                 [&](std::size_t begin, std::size_t end) {
-                     const SkyVisibility sky = sky_visibility(stage, scene, wanted.sh, begin, end);
-                     place(transport.ambient_occlusion, sky.ambient_occlusion, begin, end - begin);
-                     place(transport.sh, sky.sh, begin, end - begin);
-                     rays += sky.rays;
-                     progress.advance(end - begin);
-                 });
-    transport.rays += rays;
+    Column shape;
+    shape.Lo.resize(source.stage.mesh->positions.size() * 3);
+    const auto materials = vertex_materials(source.stage, source.scene);
+    return shared(
+        whole_column(source.stage, std::move(shape), sampled_block(source.scene), threads, progress,
+                     [&](Vertices some) { return radiance_drawn(source, materials, some); }));
+}
+
+SharedColumn sky_column(const Stage& stage, const Scene& scene, bool sh, unsigned threads,
+                        Progress& progress)
+{
+    Column shape;
+    shape.ambient_occlusion.resize(stage.mesh->positions.size());
+    if (sh) { shape.sh.resize(9 * stage.mesh->positions.size()); }
+    return shared(
+        whole_column(stage, std::move(shape), sampled_block(scene), threads, progress,
+                     [&](Vertices some) { return sky_visibility(stage, scene, sh, some); }));
 }
 
 }  // namespace
 
-Column column(const Stage& stage, const Scene& scene, std::size_t light, bool radiance,
-              std::size_t begin, std::size_t end, std::span<const std::uint32_t> materials)
+Column column(const Stage& stage, const Scene& scene, std::size_t light, std::size_t begin,
+              std::size_t end)
 {
-    return block_of(Source{stage, scene, scene.lights[light], light}, radiance, materials, begin,
-                    end);
+    return direct_and_bounced(Source{stage, scene, scene.lights[light], light}, range(begin, end));
+}
+
+Column drawn_radiance(const Stage& stage, const Scene& scene, std::size_t light, std::size_t begin,
+                      std::size_t end, std::span<const std::uint32_t> materials)
+{
+    const Source source{stage, scene, scene.lights[light], light};
+    return needs_radiance(source) ? radiance_drawn(source, materials, range(begin, end)) : Column{};
 }
 
 Transport trace(const Stage& stage, const Scene& scene, const TransportWanted& wanted,
                 Progress& progress)
 {
-    const std::size_t vertices = stage.mesh->positions.size();
-    const bool sky = wanted.ambient_occlusion || wanted.sh;
-    const auto materials = vertex_materials(stage, scene);
     Transport transport;
-    progress.expect(vertices * (scene.lights.size() + (sky ? 1 : 0)));
+    struct Wish {
+        Told told;
+        std::size_t light;
+        SharedColumn* where;
+        std::function<SharedColumn()> make;
+    };
+    std::vector<Wish> wishes;
+    transport.columns.resize(scene.lights.size());
+    transport.drawn.resize(scene.lights.size());
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
-        if (!scene.lights[l].enabled) {
-            transport.columns.push_back(nullptr);
-            continue;
-        }
         const Source source{stage, scene, scene.lights[l], l};
-        transport.columns.push_back(
-            whole_column(source, wanted.radiance, materials, wanted.threads, progress));
-        transport.rays += transport.columns.back()->rays;
+        if (!source.light.enabled) { continue; }
+        wishes.push_back({Told::E, l, &transport.columns[l], [&, source] {
+                              return irradiance_column(source, wanted.threads, progress);
+                          }});
+        if (!wanted.radiance || !needs_radiance(source)) { continue; }
+        wishes.push_back({Told::Lo, l, &transport.drawn[l], [&, source] {
+                              return radiance_column(source, wanted.threads, progress);
+                          }});
     }
-    if (sky) { add_sky_visibility(stage, scene, wanted, transport, progress); }
+    if (wanted.ambient_occlusion || wanted.sh) {
+        wishes.push_back({Told::Sky, 0, &transport.sky, [&] {
+                              return sky_column(stage, scene, wanted.sh, wanted.threads, progress);
+                          }});
+    }
+    const std::size_t vertices = stage.mesh->positions.size();
+    progress.expect(vertices * wishes.size());
+    for (const Wish& wish : wishes) {
+        if (progress.stopped()) { break; }
+        bool made = false;
+        const auto make_now = [&] {
+            made = true;
+            SharedColumn column = wish.make();
+            if (column != nullptr) { transport.rays += column->rays; }
+            return column;
+        };
+        *wish.where = wanted.keep ? wanted.keep(wish.told, wish.light, make_now) : make_now();
+        if (!made) { progress.advance(vertices); }
+    }
     return transport;
 }
 

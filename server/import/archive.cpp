@@ -29,6 +29,14 @@ template <Choice T>
 constexpr std::uint8_t greatest = std::same_as<T, bool> ? 1 : std::uint8_t{2};
 static_assert(greatest<Wrap> == static_cast<std::uint8_t>(Wrap::MirroredRepeat));
 
+/// Arrays begin at a multiple of this, so that they can be read where they lie.
+constexpr std::size_t alignment = 8;
+
+constexpr std::size_t padding(std::uint64_t at)
+{
+    return (alignment - at % alignment) % alignment;
+}
+
 using Sink = std::function<bool(std::span<const std::byte>)>;
 
 /// Each call writes one value; false once the sink has refused, or for what cannot travel.
@@ -51,7 +59,10 @@ class Writer {
     {
         if (!(*this)(std::uint64_t{values.size()})) { return false; }
         if constexpr (Plain<T>) {
-            return bytes(std::as_bytes(std::span(values)));
+            static_assert(alignof(T) <= alignment);
+            constexpr std::array<std::byte, alignment> zeros{};
+            return bytes(std::span(zeros).first(padding(at_))) &&
+                   bytes(std::as_bytes(std::span(values)));
         } else {
             return std::all_of(values.begin(), values.end(),
                                [&](const T& v) { return (*this)(v); });
@@ -94,6 +105,7 @@ class Writer {
   private:
     bool bytes(std::span<const std::byte> bytes)
     {
+        at_ += bytes.size();
         if (bytes.size() > small_.size() - size_ && !flush()) { return false; }
         if (bytes.size() > small_.size()) { return sink_(bytes); }
         std::copy(bytes.begin(), bytes.end(), small_.data() + size_);
@@ -104,6 +116,7 @@ class Writer {
     const Sink& sink_;
     std::array<std::byte, 4096> small_{};  // what is too little for a call of its own
     std::size_t size_ = 0;
+    std::uint64_t at_ = 0;  // bytes so far
 };
 
 /// Elements of a list whose memory outgrows its bytes here: more than any file has of them, and few
@@ -136,9 +149,12 @@ class Reader {
         std::uint64_t count = 0;
         if (!(*this)(count)) { return false; }
         if constexpr (Plain<T>) {
-            if (count > left_.size() / sizeof(T)) { return false; }
-            values.resize(count);
-            return copy(values.data(), count);
+            const std::size_t gap = padding(reinterpret_cast<std::uintptr_t>(left_.data()));
+            if (gap > left_.size() || count > (left_.size() - gap) / sizeof(T)) { return false; }
+            const auto* const first = reinterpret_cast<const T*>(left_.data() + gap);
+            values.assign(first, first + count);  // once over: no zeros before
+            left_ = left_.subspan(gap + count * sizeof(T));
+            return true;
         } else {
             if (count > most_elements) { return false; }
             while (count > 0 && (*this)(values.emplace_back())) { --count; }

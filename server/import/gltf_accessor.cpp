@@ -1,7 +1,9 @@
 #include "server/import/gltf_accessor.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -92,6 +94,16 @@ void gather(const Layout& layout, std::uint64_t count, const Convert& convert, O
     }
 }
 
+/// Elements of T's type as they lie, as many as `out` has room for; false if there are gaps.
+template <class T>
+bool copy_whole(const Layout& layout, std::vector<T>& out)
+{
+    if (layout.columns != 1 || layout.stride != layout.element_bytes()) { return false; }
+    assert(out.size() * sizeof(T) <= layout.bytes.size());
+    std::memcpy(out.data(), layout.bytes.data(), out.size() * sizeof(T));
+    return true;
+}
+
 /// glTF 2.0, 3.6.2.2: f = max(c / (2^(b-1) - 1), -1), or c / (2^b - 1).
 template <class In>
 void gather_floats(const Layout& layout, std::uint64_t count, float* out)
@@ -129,18 +141,18 @@ std::vector<float> gather_numbers(const Layout& layout, std::uint64_t count,
         case Component::U32:
             refuse(Fault::MalformedBody, where + "/componentType", "5125 is for indices alone");
         case Component::F32:
-            gather_floats<float>(layout, count, result.data());
+            if (!copy_whole(layout, result)) { gather_floats<float>(layout, count, result.data()); }
             break;
     }
+    bool all_finite = true;  // without a way out in the middle, so that it can be vector code
+    for (const float x : result) { all_finite = all_finite & std::isfinite(x); }
+    if (all_finite) { return result; }
     const auto bad =
         std::find_if_not(result.begin(), result.end(), [](float x) { return std::isfinite(x); });
-    if (bad != result.end()) {
-        refuse(Fault::NonFiniteCoordinate, where,
-               "element " +
-                   std::to_string(static_cast<std::size_t>(bad - result.begin()) / layout.width()) +
-                   " is not finite");
-    }
-    return result;
+    refuse(Fault::NonFiniteCoordinate, where,
+           "element " +
+               std::to_string(static_cast<std::size_t>(bad - result.begin()) / layout.width()) +
+               " is not finite");
 }
 
 std::vector<std::uint32_t> gather_integers(const Layout& layout, std::uint64_t count,
@@ -157,7 +169,9 @@ std::vector<std::uint32_t> gather_integers(const Layout& layout, std::uint64_t c
             gather<std::uint16_t>(layout, count, same, result.data());
             break;
         case Component::U32:
-            gather<std::uint32_t>(layout, count, same, result.data());
+            if (!copy_whole(layout, result)) {
+                gather<std::uint32_t>(layout, count, same, result.data());
+            }
             break;
         case Component::I8:
         case Component::I16:

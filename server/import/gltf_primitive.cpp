@@ -127,15 +127,15 @@ std::vector<std::uint32_t> corners_of(File& file, const Node& primitive, std::ui
     }
     const std::string where = primitive.where() + "/indices";
     corners = integers(accessor(file, *index, where));
+    std::uint32_t greatest = 0;
+    for (const std::uint32_t i : corners) { greatest = std::max(greatest, i); }
+    if (greatest < vertices) { return corners; }
     const auto bad = std::find_if(corners.begin(), corners.end(),
                                   [&](std::uint32_t i) { return i >= vertices; });
-    if (bad != corners.end()) {
-        refuse(Fault::IndexOutOfRange, where,
-               "element " + std::to_string(bad - corners.begin()) + " names vertex " +
-                   std::to_string(*bad) + " of " + std::to_string(vertices) +
-                   " (from 0; glTF has no primitive restart)");
-    }
-    return corners;
+    refuse(Fault::IndexOutOfRange, where,
+           "element " + std::to_string(bad - corners.begin()) + " names vertex " +
+               std::to_string(*bad) + " of " + std::to_string(vertices) +
+               " (from 0; glTF has no primitive restart)");
 }
 
 /// JOINTS_0, WEIGHTS_0, JOINTS_1 ... side by side.

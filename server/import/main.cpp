@@ -1,8 +1,9 @@
-// relight-import exr|gltf [--bytes N] [--memory BYTES] [--cpu-seconds N] [--pixels N]
-//                [--vertices N] [--faces N] < file | …
-// Decodes a client's file, shut in: see sandbox.h, and protocol.h for what comes out. --bytes says
-// how long the file is, if that is known. Standard output must be no plain file: this process may
-// not let one grow.
+// relight-import exr|gltf [--output BYTES] [--memory BYTES] [--cpu-seconds N] [--pixels N]
+//                [--vertices N] [--faces N] < file > answer
+// Decodes a client's file, shut in: see sandbox.h, and protocol.h for what comes out. The file must
+// be one that can be mapped, and no longer than it is now until this is done with it.
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,7 +35,6 @@ struct Arguments {
     std::string_view kind;
     SandboxLimits sandbox;
     GltfLimits limits;
-    std::uint64_t bytes = 1ULL << 20U;  ///< of the file, about
 };
 
 /// Nothing if they are not understood.
@@ -45,12 +45,9 @@ std::optional<Arguments> parse(std::span<const char* const> words)
     arguments.kind = words[1];
     if (arguments.kind != "exr" && arguments.kind != "gltf") { return std::nullopt; }
     const std::pair<std::string_view, std::uint64_t*> options[] = {
-        {"--bytes", &arguments.bytes},
-        {"--memory", &arguments.sandbox.memory},
-        {"--cpu-seconds", &arguments.sandbox.cpu_seconds},
-        {"--pixels", &arguments.limits.pixels},
-        {"--vertices", &arguments.limits.vertices},
-        {"--faces", &arguments.limits.faces}};
+        {"--output", &arguments.sandbox.output},           {"--memory", &arguments.sandbox.memory},
+        {"--cpu-seconds", &arguments.sandbox.cpu_seconds}, {"--pixels", &arguments.limits.pixels},
+        {"--vertices", &arguments.limits.vertices},        {"--faces", &arguments.limits.faces}};
     for (std::size_t i = 2; i < words.size(); i += 2) {
         const std::string_view name = words[i], value = words[i + 1];
         const auto* const option = std::find_if(std::begin(options), std::end(options),
@@ -63,21 +60,16 @@ std::optional<Arguments> parse(std::span<const char* const> words)
     return arguments;
 }
 
-/// All of standard input, some `expected` bytes; nothing if reading failed.
-std::optional<std::vector<std::byte>> read_all(std::uint64_t expected)
+/// Standard input, nowhere copied and not yet looked at; nothing if it is no file.
+std::optional<std::span<const std::byte>> map_input()
 {
-    std::vector<std::byte> file(expected + 1);  // and one to see that there are no more
-    for (std::size_t size = 0;;) {
-        const ssize_t count = ::read(STDIN_FILENO, file.data() + size, file.size() - size);
-        if (count < 0 && errno == EINTR) { continue; }
-        if (count < 0) { return std::nullopt; }
-        size += static_cast<std::size_t>(count);
-        if (count == 0) {
-            file.resize(size);
-            return file;
-        }
-        if (size == file.size()) { file.resize(2 * size); }
-    }
+    struct stat status = {};
+    if (::fstat(STDIN_FILENO, &status) != 0 || !S_ISREG(status.st_mode)) { return std::nullopt; }
+    const auto size = static_cast<std::size_t>(status.st_size);
+    if (size == 0) { return std::span<const std::byte>(); }
+    void* const at = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, STDIN_FILENO, 0);
+    if (at == MAP_FAILED) { return std::nullopt; }
+    return std::span(static_cast<const std::byte*>(at), size);
 }
 
 bool write_all(int fd, std::span<const std::byte> bytes)
@@ -137,12 +129,10 @@ int finish(const Result<T>& decoded)
     return answer(*decoded) ? import_protocol::imported : machine_error;
 }
 
-int import_file(const Arguments& arguments)
+int import_file(const Arguments& arguments, std::span<const std::byte> file)
 {
-    const auto file = read_all(arguments.bytes);
-    if (!file) { return machine_error; }
-    if (arguments.kind == "exr") { return finish(decode_exr(*file, arguments.limits.pixels)); }
-    return finish(decode_gltf(*file, arguments.limits));
+    if (arguments.kind == "exr") { return finish(decode_exr(file, arguments.limits.pixels)); }
+    return finish(decode_gltf(file, arguments.limits));
 }
 
 int run(std::span<const char* const> words)
@@ -150,9 +140,14 @@ int run(std::span<const char* const> words)
     const auto arguments = parse(words);
     if (!arguments) {
         write_all(STDERR_FILENO,
-                  "relight-import exr|gltf [--bytes N] [--memory BYTES] [--cpu-seconds N] "
-                  "[--pixels N] [--vertices N] [--faces N]\n");
+                  "relight-import exr|gltf [--output BYTES] [--memory BYTES] [--cpu-seconds N] "
+                  "[--pixels N] [--vertices N] [--faces N] < file\n");
         return usage_error;
+    }
+    const auto file = map_input();
+    if (!file) {
+        write_all(STDERR_FILENO, "relight-import: standard input is no file that can be mapped\n");
+        return machine_error;
     }
     if (arguments->kind == "exr") { prepare_exr(); }
     switch (enter_sandbox(arguments->sandbox)) {
@@ -167,7 +162,7 @@ int run(std::span<const char* const> words)
             return machine_error;
     }
     try {
-        return import_file(*arguments);
+        return import_file(*arguments, *file);
     } catch (const std::bad_alloc&) {
         return refuse(Fault::ImportFailed, "decoding the file takes more memory than the " +
                                                std::to_string(arguments->sandbox.memory >> 20U) +

@@ -8,12 +8,13 @@
 
 namespace relight::import_protocol {
 
-// What the server and relight-import say to each other. The file goes in on standard input; out on
-// standard output comes either a Header, then its `bytes` of content and exit status `imported`, or
-// one line "code detail" (a code of core/base/fault.h, at most `longest_refusal` bytes of printable
-// ASCII) and status `refused`. The content of a picture is width * height texels of three 32-bit
-// floats (linear R G B, row 0 on top), that of a glTF an archive (archive.h).
-// Every other end (a signal, another status) means that the importer broke on the file.
+// What the server and relight-import say to each other, through files in memory. The file stands in
+// standard input; to standard output is written either a Header, then its `bytes` of content, with
+// exit status `imported`, or one line "code detail" (a code of core/base/fault.h, at most
+// `longest_refusal` bytes of printable ASCII), with status `refused`. The content of a picture is
+// width * height texels of three 32-bit floats (linear R G B, row 0 on top), that of a glTF an
+// archive (archive.h). Every other end (a signal, another status) means that the importer broke on
+// the file.
 
 static_assert(std::endian::native == std::endian::little, "numbers travel little endian");
 

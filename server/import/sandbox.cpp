@@ -37,11 +37,11 @@ bool limit(__rlimit_resource what, rlim_t most)
     return ::setrlimit(what, &both) == 0;
 }
 
-/// What decoding in memory needs: bytes in and out, memory, mutexes, the clock, an end.
-constexpr long allowed[] = {SYS_read,         SYS_write,        SYS_munmap,    SYS_mremap,
-                            SYS_madvise,      SYS_brk,          SYS_futex,     SYS_exit_group,
-                            SYS_exit,         SYS_rt_sigreturn, SYS_getrandom, SYS_clock_gettime,
-                            SYS_gettimeofday, SYS_sched_yield};
+/// What decoding from memory needs: bytes out, memory, mutexes, the clock, an end.
+constexpr long allowed[] = {SYS_write,        SYS_munmap,    SYS_mremap,        SYS_madvise,
+                            SYS_brk,          SYS_futex,     SYS_exit_group,    SYS_exit,
+                            SYS_rt_sigreturn, SYS_getrandom, SYS_clock_gettime, SYS_gettimeofday,
+                            SYS_sched_yield};
 
 /// Memory may be had, but never to be run.
 constexpr long allowed_without_exec[] = {SYS_mmap, SYS_mprotect};
@@ -96,7 +96,7 @@ Sandbox enter_sandbox(const SandboxLimits& limits)
 {
     const bool limited =
         (sanitized || limit(RLIMIT_AS, limits.memory)) && limit(RLIMIT_CPU, limits.cpu_seconds) &&
-        limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_CORE, 0) && limit(RLIMIT_NPROC, 0) &&
+        limit(RLIMIT_FSIZE, limits.output) && limit(RLIMIT_CORE, 0) && limit(RLIMIT_NPROC, 0) &&
         (sanitized || limit(RLIMIT_NOFILE, 3)) &&
         ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0) == 0 &&
         ::prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0 && ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;

@@ -1,6 +1,7 @@
 #include <charconv>
 
 #include "core/display/display.h"
+#include "core/io/fields_writer.h"
 #include "core/io/writers.h"
 #include "core/shade/shade.h"
 #include "tests/bench/sizes.h"
@@ -85,6 +86,61 @@ BENCHMARK_CAPTURE(copy_mesh, obj, write_obj)->Name("write OBJ beside memcpy")->A
 BENCHMARK_CAPTURE(write_mesh, vtp, write_vtp)->Name("write VTP")->Apply(sizes);
 BENCHMARK_CAPTURE(copy_mesh, vtp, write_vtp)->Name("write VTP beside memcpy")->Apply(sizes);
 
+/// Written as it is sent: nobody holds all of it.
+void send(benchmark::State& state, const std::function<Encoding(const Answer&)>& encode)
+{
+    const Answer& a = answer(vertices(state));
+    std::uint64_t bytes = 0;
+    while (state.KeepRunning()) {
+        const Encoding encoding = encode(a);
+        encoding.write([](std::string_view block) {
+            benchmark::DoNotOptimize(block.data());
+            benchmark::ClobberMemory();
+            return true;
+        });
+        bytes = encoding.bytes;
+    }
+    rate(state, "bytes", bytes);
+}
+
+void copy_sent(benchmark::State& state, const std::function<Encoding(const Answer&)>& encode)
+{
+    copy(state, whole(encode(answer(vertices(state)))));
+}
+
+Encoding ply(const Answer& a)
+{
+    return encode_ply(a.lit());
+}
+
+template <FieldType type>
+Encoding irradiance(const Answer& a)
+{
+    return encode_fields(a.color.size(), {{"irradiance", type, 3, a.irradiance(), "W/m2"}});
+}
+
+Encoding color(const Answer& a)
+{
+    return encode_fields(a.color.size(), {{"color", FieldType::UInt8, 3,
+                                           std::span<const Rgb8>(a.color), "sRGB 8-bit"}});
+}
+BENCHMARK_CAPTURE(send, ply, ply)->Name("send PLY")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_sent, ply, ply)->Name("send PLY beside memcpy")->Apply(sizes);
+BENCHMARK_CAPTURE(send, f32, irradiance<FieldType::Float32>)
+    ->Name("send irradiance, float32")
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(copy_sent, f32, irradiance<FieldType::Float32>)
+    ->Name("send irradiance, float32 beside memcpy")
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(send, f16, irradiance<FieldType::Float16>)
+    ->Name("send irradiance, float16")
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(copy_sent, f16, irradiance<FieldType::Float16>)
+    ->Name("send irradiance, float16 beside memcpy")
+    ->Apply(sizes);
+BENCHMARK_CAPTURE(send, color, color)->Name("send color, uint8")->Apply(sizes);
+BENCHMARK_CAPTURE(copy_sent, color, color)->Name("send color, uint8 beside memcpy")->Apply(sizes);
+
 void write_json_numbers(benchmark::State& state)
 {
     const auto values = answer(vertices(state)).irradiance();
@@ -116,11 +172,27 @@ void display_colors(benchmark::State& state)
     const Answer& a = answer(vertices(state));
     while (state.KeepRunning()) {
         Progress progress;
-        benchmark::DoNotOptimize(to_srgb8(a.shaded.radiance, {}, 0, progress).data());
+        benchmark::DoNotOptimize(to_srgb8(a.shaded.radiance, {}, 1, progress).data());
     }
     rate(state, "vertices", a.color.size());
 }
-BENCHMARK(display_colors)->Name("display: linear to sRGB")->Apply(sizes);
+BENCHMARK(display_colors)->Name("display: linear to sRGB, 1 thread")->Apply(sizes);
+
+void display_by_formula(benchmark::State& state)
+{
+    const Answer& a = answer(vertices(state));
+    std::vector<Rgb8> codes(a.color.size());
+    while (state.KeepRunning()) {
+        for (std::size_t i = 0; i < codes.size(); ++i) {
+            codes[i] = to_srgb8(to_double(a.shaded.radiance[i]), {});
+        }
+        benchmark::ClobberMemory();
+    }
+    rate(state, "vertices", codes.size());
+}
+BENCHMARK(display_by_formula)
+    ->Name("display: linear to sRGB, 1 thread beside the formula in double")
+    ->Apply(sizes);
 
 }  // namespace
 }  // namespace relight::bench

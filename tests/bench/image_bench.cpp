@@ -53,7 +53,7 @@ std::vector<RTCRay> camera_rays(const RawEmbree& raw, const Camera& camera)
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             const Dir3 d = through_pixel(a, camera.fov_y, width, height, x + 0.5, y + 0.5);
-            rays.push_back(raw_ray(raw.to_box(camera.eye), d, 0.0, 16.0));
+            rays.push_back(rtc_ray(raw.to_box(camera.eye), d, 0.0, 16.0));
         }
     }
     return rays;
@@ -74,7 +74,7 @@ std::uint64_t hit_and_look(RTCScene tree, Vec3 light, std::span<const RTCRay> ra
         const Vec3 start{ray.org_x, ray.org_y, ray.org_z};
         const Vec3 along{ray.dir_x, ray.dir_y, ray.dir_z};
         const Vec3 p = start + along * static_cast<double>(query.ray.tfar);
-        RTCRay shadow = raw_ray(p, light - p, off_start, 1.0);
+        RTCRay shadow = rtc_ray(p, light - p, off_start, 1.0);
         rtcOccluded1(tree, &context, &shadow);
         ++shadow_rays;
     }

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "core/shade/shade.h"
 #include "tests/bench/sizes.h"
@@ -8,11 +10,13 @@
 namespace relight::bench {
 namespace {
 
-/// Four lights high over the terrain, seen by a camera: nearly every vertex is lit by each.
-Scene four_lights(const Material& material)
+/// Lights high over the terrain, seen by a camera: nearly every vertex is lit by each.
+Scene lights_above(std::size_t lights, const Material& material)
 {
     Scene scene;
-    for (const Point3 place : {Point3{1, 1, 4}, {-1, 1, 4}, {-1, -1, 4}, {1, -1, 4}}) {
+    for (std::size_t l = 0; l < lights; ++l) {
+        const double angle = 0.25 * std::numbers::pi * (1.0 + 2.0 * static_cast<double>(l));
+        const Point3 place{std::cos(angle), std::sin(angle), 4.0};
         scene.lights.push_back(test::light_of(PointLight{place, {}}, {30.0, 28.0, 25.0}));
     }
     scene.materials = {material};
@@ -24,13 +28,14 @@ Scene four_lights(const Material& material)
 void shade_lights(benchmark::State& state, const Material& material)
 {
     const Stage& stage = terrain_stage(vertices(state));
-    const Scene scene = four_lights(material);
+    const Scene scene = lights_above(4, material);
     ShadeOptions options;
     options.threads = threads(state);
     Progress progress;
     const Transport transport = trace(stage, scene, {}, progress);
+    Shaded shaded;
     while (state.KeepRunning()) {
-        const Shaded shaded = shade(stage, transport, scene, options, progress);
+        shaded = shade(stage, transport, scene, options, progress, std::move(shaded));
         benchmark::DoNotOptimize(shaded.radiance.data());
     }
     rate(state, "vertex_lights", stage.mesh->positions.size() * scene.lights.size());
@@ -42,13 +47,44 @@ BENCHMARK_CAPTURE(shade_lights, ggx, make_cook_torrance({}))
     ->Name("shade 4 lights, Cook-Torrance GGX")
     ->Apply(sizes_and_threads);
 
-/// Half of what shade() cannot but read (four columns, place, normal) and write (E and L).
-void move_bytes(benchmark::State& state)
+BENCHMARK_CAPTURE(shade_lights, principled, Principled{})
+    ->Name("shade 4 lights, principled")
+    ->Apply(sizes_and_threads);
+
+/// E alone: what a change of power costs.
+void E_from_columns(benchmark::State& state, std::size_t lights, bool reused)
+{
+    const Stage& stage = terrain_stage(vertices(state));
+    const Scene scene = lights_above(lights, Lambert{});
+    ShadeOptions options;
+    options.radiance = false;
+    options.threads = threads(state);
+    Progress progress;
+    const Transport transport = trace(stage, scene, {}, progress);
+    Shaded shaded;
+    while (state.KeepRunning()) {
+        Shaded old = reused ? std::move(shaded) : Shaded{};
+        shaded = shade(stage, transport, scene, options, progress, std::move(old));
+        benchmark::DoNotOptimize(shaded.irradiance.data());
+    }
+    rate(state, "vertex_lights", stage.mesh->positions.size() * lights);
+}
+BENCHMARK_CAPTURE(E_from_columns, one, 1, true)->Name("E from 1 column")->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(E_from_columns, four, 4, true)
+    ->Name("E from 4 columns")
+    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(E_from_columns, sixteen, 16, true)
+    ->Name("E from 16 columns")
+    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(E_from_columns, fresh, 4, false)
+    ->Name("E from 4 columns into fresh memory")
+    ->Apply(sizes_and_threads);
+
+/// memcpy of half of the bytes a vertex that must be read and written.
+void move_bytes(benchmark::State& state, std::size_t bytes, std::size_t lights)
 {
     constexpr std::size_t block = 1 << 16;
-    constexpr std::size_t bytes =
-        (4 * sizeof(float) + sizeof(Point3) + sizeof(Dir3) + 2 * sizeof(Rgbf)) / 2;
-    const std::vector<char> from(vertices(state) * bytes, 'x');
+    const std::vector<char> from(vertices(state) * bytes / 2, 'x');
     std::vector<char> to(from.size());
     while (state.KeepRunning()) {
         Progress progress;
@@ -58,13 +94,28 @@ void move_bytes(benchmark::State& state)
                      });
         benchmark::ClobberMemory();
     }
-    rate(state, "vertex_lights", vertices(state) * 4);
+    rate(state, "vertex_lights", vertices(state) * lights);
 }
-BENCHMARK(move_bytes)
+// Four columns, place, normal; E and L.
+constexpr std::size_t shade_bytes =
+    4 * sizeof(float) + sizeof(Point3) + sizeof(Dir3) + 2 * sizeof(Rgbf);
+BENCHMARK_CAPTURE(move_bytes, lambert, shade_bytes, 4)
     ->Name("shade 4 lights, Lambert beside memcpy of its bytes")
     ->Apply(sizes_and_threads);
-BENCHMARK(move_bytes)
+BENCHMARK_CAPTURE(move_bytes, ggx, shade_bytes, 4)
     ->Name("shade 4 lights, Cook-Torrance GGX beside memcpy of its bytes")
+    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(move_bytes, principled, shade_bytes, 4)
+    ->Name("shade 4 lights, principled beside memcpy of its bytes")
+    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(move_bytes, one, sizeof(float) + sizeof(Rgbf), 1)
+    ->Name("E from 1 column beside memcpy of its bytes")
+    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(move_bytes, four, 4 * sizeof(float) + sizeof(Rgbf), 4)
+    ->Name("E from 4 columns beside memcpy of its bytes")
+    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(move_bytes, sixteen, 16 * sizeof(float) + sizeof(Rgbf), 16)
+    ->Name("E from 16 columns beside memcpy of its bytes")
     ->Apply(sizes_and_threads);
 
 }  // namespace

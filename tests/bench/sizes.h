@@ -25,6 +25,13 @@ inline void sizes_and_threads(benchmark::internal::Benchmark* b)
     b->ArgsProduct({{1'000, 100'000, 1'000'000}, {1, 0}});
 }
 
+/// The same where the largest takes seconds: that on all threads alone.
+inline void few_sizes_and_threads(benchmark::internal::Benchmark* b)
+{
+    b->Unit(benchmark::kMillisecond)->UseRealTime();
+    b->ArgsProduct({{1'000, 100'000}, {1, 0}})->Args({1'000'000, 0});
+}
+
 inline std::size_t vertices(const benchmark::State& state)
 {
     return static_cast<std::size_t>(state.range(0));

@@ -122,6 +122,19 @@ const Stage& terrain_stage(std::size_t vertices)
     return kept(stages, vertices, [&] { return test::staged(terrain(vertices)); });
 }
 
+const Stage& cloud_stage(std::size_t points)
+{
+    static std::map<std::size_t, Stage> stages;
+    return kept(stages, points, [&] {
+        const Stage& stage = terrain_stage(points);
+        Mesh cloud;
+        cloud.format = "ply";
+        cloud.positions = stage.mesh->positions;
+        cloud.normals.assign(stage.surface->normals.begin(), stage.surface->normals.end());
+        return test::staged(std::move(cloud));
+    });
+}
+
 const std::string& terrain_ply(std::size_t vertices)
 {
     static std::map<std::size_t, std::string> files;

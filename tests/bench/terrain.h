@@ -14,6 +14,9 @@ Mesh terrain(std::size_t vertices);
 /// That terrain, prepared; made once and kept.
 const Stage& terrain_stage(std::size_t vertices);
 
+/// Its vertices alone, with their normals: a cloud, whose points are discs. Made once and kept.
+const Stage& cloud_stage(std::size_t points);
+
 /// That terrain as files with normals: binary PLY (50 MB for a million vertices), GLB, and OBJ;
 /// without: binary STL.
 const std::string& terrain_ply(std::size_t vertices);

@@ -1,9 +1,11 @@
 #include <atomic>
 #include <cmath>
-#include <numeric>
+#include <map>
+#include <string>
+#include <utility>
 
-#include "core/transport/receiver.h"
-#include "tests/bench/raw_embree.h"
+#include "core/transport/transport.h"
+#include "tests/bench/sent_rays.h"
 #include "tests/bench/sizes.h"
 #include "tests/bench/terrain.h"
 #include "tests/scenes.h"
@@ -13,150 +15,134 @@ namespace {
 
 constexpr std::size_t block = 4096;  // rays a thread takes at once
 
-/// Low lights: a fifth to a quarter of the terrain faces away, as much of the rest lies in shadow.
-Scene low_light(const LightShape& shape)
-{
+/// What is lit: the terrain as triangles, or as discs.
+struct Ground {
+    const char* suffix;
+    const Stage& (*stage)(std::size_t vertices);
+    RawEmbree& (*raw)(std::size_t vertices);
+};
+constexpr Ground grounds[] = {{"", terrain_stage, terrain_embree},
+                              {" on discs", cloud_stage, cloud_embree}};
+
+struct Lit {
+    const char* name;
     Scene scene;
-    scene.lights = {test::light_of(shape)};
-    return scene;
-}
-const Scene& point()
-{
-    static const Scene scene = low_light(PointLight{{0.3, -0.2, 0.35}, {}});
-    return scene;
-}
-const Scene& sun()
-{
-    static const Scene scene = low_light(DirectionalLight{normalize({1.0, 0.4, -0.35})});
-    return scene;
-}
+    void (*sizes)(benchmark::internal::Benchmark*);
+};
 
-const Scene& window()
+/// Low lights: a fifth to a quarter of the terrain faces away, as much of the rest lies in shadow.
+const std::vector<Lit>& lit()
 {
-    static const Scene scene = [] {
-        Scene s = low_light(RectLight{{0.3, -0.2, 0.6}, {0, 0.4, 0}, {0.4, 0, 0}, false});
-        s.transport.samples = 16;
-        return s;
+    static const std::vector<Lit> all = [] {
+        constexpr unsigned samples = 16;
+        const auto scene = [](const LightShape& shape) {
+            Scene s;
+            s.lights = {test::light_of(shape)};
+            s.transport.samples = samples;  // of the rect and the sky
+            return s;
+        };
+        return std::vector<Lit>{
+            {"a point light", scene(PointLight{{0.3, -0.2, 0.35}, {}}), sizes_and_threads},
+            {"a sun", scene(DirectionalLight{normalize({1.0, 0.4, -0.35})}), sizes_and_threads},
+            {"a rect light, 16 samples",
+             scene(RectLight{{0.3, -0.2, 0.6}, {0, 0.4, 0}, {0.4, 0, 0}, false}),
+             few_sizes_and_threads},
+            {"a constant sky, 16 samples", scene(EnvironmentLight{}), few_sizes_and_threads}};
     }();
-    return scene;
+    return all;
 }
 
-const Scene& sky()
-{
-    static const Scene scene = [] {
-        Scene s = low_light(EnvironmentLight{});
-        s.transport.samples = 16;
-        return s;
-    }();
-    return scene;
-}
+/// A yardstick: Embree alone, over the rays that trace() sends.
+struct Pattern {
+    const char* name;
+    bool by_morton;
+    std::uint64_t (*blocked)(RTCScene, std::span<const RawRay>);
+};
+constexpr Pattern patterns[] = {
+    {"rtcOccluded1, mesh order", false, blocked_one_by_one},
+    {"rtcOccluded1M, 256 rays, Morton order", true,
+     [](RTCScene tree, std::span<const RawRay> rays) {
+         return blocked_in_streams(tree, rays, 256);
+     }},
+    {"rtcOccluded1M, 1,024 rays, Morton order", true,
+     [](RTCScene tree, std::span<const RawRay> rays) {
+         return blocked_in_streams(tree, rays, 1024);
+     }},
+    {"rtcOccludedNp, 256 rays, Morton order", true,
+     [](RTCScene tree, std::span<const RawRay> rays) { return blocked_by_field(tree, rays, 256); }},
+};
 
-TransportWanted wanted_by(unsigned threads)
+void trace_ours(benchmark::State& state, const Ground& ground, const Scene& scene)
 {
+    const Stage& stage = ground.stage(vertices(state));
     TransportWanted wanted;
-    wanted.threads = threads;
-    return wanted;
-}
-
-void trace_light(benchmark::State& state, const Scene& (*scene)())
-{
-    const Stage& stage = terrain_stage(vertices(state));
+    wanted.threads = threads(state);
     std::uint64_t rays = 0;
     while (state.KeepRunning()) {
         Progress progress;
-        rays = trace(stage, scene(), wanted_by(threads(state)), progress).rays;
+        rays = trace(stage, scene, wanted, progress).rays;
     }
     rate(state, "rays", rays);
 }
-BENCHMARK_CAPTURE(trace_light, point, point)->Name("trace a point light")->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(trace_light, sun, sun)->Name("trace a sun")->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(trace_light, window, window)
-    ->Name("trace a rect light, 16 samples")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(trace_light, sky, sky)
-    ->Name("trace a constant sky, 16 samples")
-    ->Apply(sizes_and_threads);
 
-/// The shadow rays that trace() sends for the scene's light, in the mesh's order.
-std::vector<ShadowRay> shadow_rays(const Stage& stage, const Scene& scene)
+/// Made once and kept: a million vertices' 16 samples are a gigabyte.
+const SentRays& sent(const Ground& ground, const Scene& scene, std::size_t vertices)
 {
-    std::vector<ShadowRay> rays;
-    for (std::size_t v = 0; v < stage.mesh->positions.size(); ++v) {
-        const Point3 p = stage.mesh->positions[v];
-        const Dir3 n = stage.surface->normals[v];
-        const Arrival arrival = arrive(scene.lights[0].shape, p);
-        if (!(dot(n, arrival.wi) > 0.0)) { continue; }
-        rays.push_back(shadow_ray(*stage.bvh, vertex_receiver(stage, v), arrival.wi,
-                                  arrival.distance, scene.transport));
+    static std::map<std::pair<const Scene*, const Stage*>, SentRays> kept;
+    const Stage& stage = ground.stage(vertices);
+    const auto [at, is_new] = kept.try_emplace({&scene, &stage});
+    if (is_new) { at->second = sent_rays(stage, ground.raw(vertices), scene); }
+    return at->second;
+}
+
+/// Why these are not the rays of trace(), or nullptr: as many, and as many blocked but for hits so
+/// near an end that double decides them otherwise.
+const char* difference(const SentRays& sent, std::uint64_t blocked)
+{
+    const auto rays = static_cast<double>(sent.by_mesh.size());
+    if (sent.told != sent.by_mesh.size()) {
+        return "trace() sends rays by a call that sent_rays.cpp does not hear";
     }
-    return rays;
+    const double apart = std::abs(static_cast<double>(sent.blocked) - static_cast<double>(blocked));
+    return apart <= 1e-4 * rays ? nullptr : "trace() finds another number of rays blocked";
 }
 
-/// Why these are not the rays that trace() sends, or nullptr: as many, and as many blocked but for
-/// hits so near an end that double decides them otherwise.
-const char* difference(const Stage& stage, const Scene& scene, std::uint64_t rays,
-                       std::uint64_t blocked)
+void trace_raw(benchmark::State& state, const Ground& ground, const Scene& scene,
+               const Pattern& pattern)
 {
-    Progress progress;
-    const Transport ours = trace(stage, scene, {}, progress);
-    if (ours.rays != rays) { return "trace() sends another number of rays"; }
-    const auto& visible = ours.columns[0]->visible;
-    const double seen = std::accumulate(visible.begin(), visible.end(), 0.0);
-    const double all = static_cast<double>(rays);
-    const double apart = std::abs(seen + static_cast<double>(blocked) - all);
-    return apart <= 1e-5 * all ? nullptr : "trace() finds another number of rays blocked";
-}
-
-template <class Blocked>
-void trace_raw(benchmark::State& state, const Scene& scene, const Blocked& blocked_of)
-{
-    const Stage& stage = terrain_stage(vertices(state));
-    const RawEmbree& raw = terrain_embree(vertices(state));
-    const std::vector<RTCRay> rays = raw.rays(shadow_rays(stage, scene));
+    const SentRays& all = sent(ground, scene, vertices(state));
+    const auto& rays = pattern.by_morton ? all.by_morton : all.by_mesh;
+    RTCScene tree = ground.raw(vertices(state)).scene();
     std::atomic<std::uint64_t> blocked{0};
     while (state.KeepRunning()) {
         Progress progress;
         blocked = 0;
         parallel_for(
             rays.size(), block, threads(state), progress, [&](std::size_t begin, std::size_t end) {
-                blocked += blocked_of(raw.scene(), std::span(rays).subspan(begin, end - begin));
+                blocked += pattern.blocked(tree, std::span(rays).subspan(begin, end - begin));
             });
     }
-    if (const char* why = difference(stage, scene, rays.size(), blocked)) {
-        state.SkipWithError(why);
-    }
+    if (const char* why = difference(all, blocked)) { state.SkipWithError(why); }
     rate(state, "rays", rays.size());
 }
 
-void raw_one_by_one(benchmark::State& state, const Scene& (*scene)())
-{
-    trace_raw(state, scene(), blocked_one_by_one);
-}
-BENCHMARK_CAPTURE(raw_one_by_one, point, point)
-    ->Name("trace a point light beside rtcOccluded1")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(raw_one_by_one, sun, sun)
-    ->Name("trace a sun beside rtcOccluded1")
-    ->Apply(sizes_and_threads);
-
-void raw_streams(benchmark::State& state, const Scene& (*scene)(), std::size_t length)
-{
-    trace_raw(state, scene(), [length](RTCScene tree, std::span<const RTCRay> rays) {
-        return blocked_in_streams(tree, rays, length);
-    });
-}
-BENCHMARK_CAPTURE(raw_streams, point_256, point, 256)
-    ->Name("trace a point light beside rtcOccluded1M, 256 rays")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(raw_streams, point_1024, point, 1024)
-    ->Name("trace a point light beside rtcOccluded1M, 1,024 rays")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(raw_streams, sun_256, sun, 256)
-    ->Name("trace a sun beside rtcOccluded1M, 256 rays")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(raw_streams, sun_1024, sun, 1024)
-    ->Name("trace a sun beside rtcOccluded1M, 1,024 rays")
-    ->Apply(sizes_and_threads);
+[[maybe_unused]] const bool registered = [] {
+    for (const Ground& ground : grounds) {
+        for (const Lit& one : lit()) {
+            const std::string name = std::string("trace ") + one.name + ground.suffix;
+            benchmark::RegisterBenchmark(name.c_str(), [&](benchmark::State& state) {
+                trace_ours(state, ground, one.scene);
+            })->Apply(one.sizes);
+            for (const Pattern& pattern : patterns) {
+                benchmark::RegisterBenchmark(
+                    (name + " beside " + pattern.name).c_str(),
+                    [&](benchmark::State& state) { trace_raw(state, ground, one.scene, pattern); })
+                    ->Apply(one.sizes);
+            }
+        }
+    }
+    return true;
+}();
 
 }  // namespace
 }  // namespace relight::bench

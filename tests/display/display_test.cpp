@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 
@@ -16,6 +19,7 @@ using nlohmann::json;
 constexpr ToneMap maps[] = {ToneMap::Reinhard, ToneMap::ReinhardExtended, ToneMap::AcesNarkowicz,
                             ToneMap::AcesHill, ToneMap::PbrNeutral};
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr float infinity_f = std::numeric_limits<float>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(DisplayOracle, EveryCaseAgrees)
@@ -218,6 +222,67 @@ TEST(Picture, HasTheSameBytesOnAnyNumberOfThreads)
     EXPECT_EQ(alone, to_srgb8(L, display, 2, progress));
     EXPECT_EQ(alone, to_srgb8(L, display, 8, progress));
     EXPECT_TRUE(to_srgb8(std::span<const Rgbf>{}, display, 2, progress).empty());
+}
+
+/// What the table gives for many against what the formula gives for each. Workers flush subnormal
+/// numbers: those count as zero.
+void expect_the_codes_of_the_formula(const std::vector<float>& values, const Display& display)
+{
+    std::vector<Rgbf> L;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        L.push_back({values[i], values[(i + 1) % values.size()], values[(i + 2) % values.size()]});
+    }
+    Progress progress;
+    const std::vector<Rgb8> codes = to_srgb8(L, display, 1, progress);
+    for (std::size_t i = 0; i < L.size(); ++i) {
+        Rgbf flushed = L[i];
+        for (float& band : flushed) {
+            if (std::fpclassify(band) == FP_SUBNORMAL) { band = 0.0F; }
+        }
+        ASSERT_EQ(codes[i], to_srgb8(to_double(flushed), display))
+            << L[i][0] << ' ' << L[i][1] << ' ' << L[i][2] << ", EV " << display.exposure_ev;
+    }
+}
+
+TEST(Picture, HasTheCodesOfTheFormulaOnBothSidesOfEachStep)
+{
+    for (const double ev : {0.0, 0.3, -7.7, 12.0, 100.0}) {
+        const Display display{.exposure_ev = ev};
+        std::vector<float> values;
+        std::uint32_t begin = 0;  // a float above zero is ordered as its bits are
+        for (int code = 1; code < 256; ++code) {
+            std::uint32_t end = std::bit_cast<std::uint32_t>(infinity_f);
+            while (begin < end) {
+                const std::uint32_t middle = begin + (end - begin) / 2;
+                const double x = std::bit_cast<float>(middle);
+                const bool there = to_srgb8(Rgb::grey(x), display)[0] >= code;
+                (there ? end : begin) = there ? middle : middle + 1;
+            }
+            for (std::uint32_t bits = begin - std::min(begin, 4U); bits <= begin + 4; ++bits) {
+                values.push_back(std::bit_cast<float>(bits));
+            }
+        }
+        expect_the_codes_of_the_formula(values, display);
+    }
+}
+
+TEST(Picture, HasTheCodesOfTheFormulaForAnyFloat)
+{
+    std::mt19937 random(5);
+    std::vector<float> values{-0.0F,      0.0F,       1.0F,   std::nextafter(1.0F, 0.0F),
+                              0.0031308F, -1.0F,      1e-45F, 0x1p-13F,
+                              infinity_f, -infinity_f};
+    for (int i = 0; i < 200'000; ++i) {
+        values.push_back(std::bit_cast<float>(static_cast<std::uint32_t>(random())));
+    }
+    for (const Rgbf& x : noise(100'000)) { values.push_back(x[0]); }
+    for (const double ev : {0.0, 1.1, -2000.0, 2000.0}) {
+        expect_the_codes_of_the_formula(values, {.exposure_ev = ev});
+    }
+    values.resize(20'000);
+    for (const ToneMap map : maps) {
+        expect_the_codes_of_the_formula(values, {.exposure_ev = 0.5, .tone_map = map});
+    }
 }
 
 TEST(AutoExposure, PutsTheNinetyFifthPercentileAtFourFifths)

@@ -78,7 +78,7 @@ TEST(AreaSampling, AgreesWithTheClosedFormAnywhere)
         if (exact <= 0.01 * irradiance(light, p, facing)) { return; }
         deviations.add(by_samples, exact);
     };
-    for (std::uint64_t item = 0; item < 400; ++item) {
+    for (std::uint64_t item = 400; item < 800; ++item) {
         Numbers random(item);
         const RectLight rect = test::some_rect(random);
         const DiskLight disk = test::some_disk(random);

@@ -24,6 +24,13 @@ Result<Model> triangle()
     return model;
 }
 
+Result<Model> model(Cache& cache, const std::string& key,
+                    const std::function<Result<Model>()>& build)
+{
+    Progress progress;
+    return cache.get<Model>(key, progress, build);
+}
+
 /// Counts builds.
 struct Builder {
     int builds = 0;
@@ -36,15 +43,15 @@ struct Builder {
     }
 };
 
-TEST(ModelCache, BuildsAModelOnceForAllWhoAskAtOnce)
+TEST(Cache, BuildsAModelOnceForAllWhoAskAtOnce)
 {
-    ModelCache cache(1U << 30U);
+    Cache cache(1U << 30U);
     std::atomic<int> builds{0};
     std::vector<std::jthread> threads;
     threads.reserve(8);
     for (int i = 0; i < 8; ++i) {
         threads.emplace_back([&] {
-            const auto stage = cache.get("a", [&] {
+            const auto stage = model(cache, "a", [&] {
                 ++builds;
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
                 return triangle();
@@ -56,42 +63,112 @@ TEST(ModelCache, BuildsAModelOnceForAllWhoAskAtOnce)
     EXPECT_EQ(builds, 1);
 }
 
-TEST(ModelCache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
+TEST(Cache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
 {
-    const std::uint64_t one = bytes_of(*triangle());
-    ModelCache cache(2 * one + one / 2);
+    const std::uint64_t one = bytes_of(Kept(*triangle()));
+    Cache cache(2 * one + one / 2);
     Builder a;
     Builder b;
     Builder c;
-    for (int i = 0; i < 2; ++i) { ASSERT_TRUE(cache.get("a", a())); }
-    ASSERT_TRUE(cache.get("b", b()));
-    ASSERT_TRUE(cache.get("a", a()));
-    ASSERT_TRUE(cache.get("c", c()));  // b goes: a was used after it
+    for (int i = 0; i < 2; ++i) { ASSERT_TRUE(model(cache, "a", a())); }
+    ASSERT_TRUE(model(cache, "b", b()));
+    ASSERT_TRUE(model(cache, "a", a()));
+    ASSERT_TRUE(model(cache, "c", c()));  // b goes: a was used after it
     EXPECT_LE(cache.bytes(), 2 * one + one / 2);
-    ASSERT_TRUE(cache.get("a", a()));
+    ASSERT_TRUE(model(cache, "a", a()));
     EXPECT_EQ(a.builds, 1);
-    ASSERT_TRUE(cache.get("b", b()));
+    ASSERT_TRUE(model(cache, "b", b()));
     EXPECT_EQ(b.builds, 2);
 }
 
-TEST(ModelCache, DoesNotKeepWhatFailedToBuild)
+/// A column of this many bytes that took so long to trace.
+std::function<Result<SharedColumn>()> column(std::size_t bytes, std::chrono::milliseconds time)
 {
-    ModelCache cache(1U << 30U);
-    const auto fail = []() -> Result<Model> { return Error{Fault::NoGeometry, "x", {}, {}, {}}; };
-    EXPECT_FALSE(cache.get("a", fail));
-    EXPECT_THROW(static_cast<void>(cache.get("a", []() -> Result<Model> { throw 1; })), int);
-    EXPECT_EQ(cache.bytes(), 0U);
-    EXPECT_TRUE(cache.get("a", triangle));
+    return [=]() -> Result<SharedColumn> {
+        std::this_thread::sleep_for(time);
+        Column made;
+        made.E.resize(bytes / sizeof(float));
+        return std::make_shared<const Column>(std::move(made));
+    };
 }
 
-TEST(ModelCache, ForgetsEveryModelOfAMesh)
+TEST(Cache, LetsGoWhatIsSoonMadeAgainBeforeWhatIsNot)
 {
-    ModelCache cache(1U << 30U);
+    Cache cache(3000);
+    Progress progress;
+    bool made = false;
+    const auto get = [&](const char* key, std::size_t bytes, int ms) {
+        made = false;
+        ASSERT_TRUE(cache.get<SharedColumn>(key, progress, [&] {
+            made = true;
+            return column(bytes, std::chrono::milliseconds(ms))();
+        }));
+    };
+    get("dear", 1000, 50);
+    get("cheap", 1000, 0);
+    get("large", 1600, 0);  // one of the two goes
+    get("dear", 1000, 50);
+    EXPECT_FALSE(made);
+    get("cheap", 1000, 0);
+    EXPECT_TRUE(made);
+}
+
+TEST(Cache, DoesNotEmptyItselfForWhatIsTooLarge)
+{
+    Cache cache(3000);
+    Progress progress;
+    ASSERT_TRUE(cache.get<SharedColumn>("small", progress, column(1000, {})));
+    ASSERT_TRUE(cache.get<SharedColumn>("huge", progress, column(4000, {})));
+    EXPECT_EQ(cache.bytes(), 1000U);
+}
+
+TEST(Cache, LetsAWaitingRequestGoWhenItIsStoppedAndTakesOverFromABuilderThatWas)
+{
+    Cache cache(3000);
+    Progress builder;
+    std::atomic<bool> building{false};
+    std::jthread first([&] {
+        EXPECT_FALSE(cache.get<SharedColumn>("a", builder, [&]() -> Result<SharedColumn> {
+            building = true;
+            while (!builder.stopped()) { std::this_thread::yield(); }
+            return Error{Fault::Cancelled, "x", {}, {}, {}};
+        }));
+    });
+    while (!building) { std::this_thread::yield(); }
+    Progress stopped;
+    stopped.stop();
+    const auto none = cache.get<SharedColumn>("a", stopped, column(1000, {}));
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().fault, Fault::Cancelled);
+    std::jthread other([&] {
+        Progress progress;
+        EXPECT_TRUE(cache.get<SharedColumn>("a", progress, column(1000, {})));
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    builder.stop();
+    first.join();
+    other.join();
+    EXPECT_EQ(cache.bytes(), 1000U);  // what the second made is kept
+}
+
+TEST(Cache, DoesNotKeepWhatFailedToBuild)
+{
+    Cache cache(1U << 30U);
+    const auto fail = []() -> Result<Model> { return Error{Fault::NoGeometry, "x", {}, {}, {}}; };
+    EXPECT_FALSE(model(cache, "a", fail));
+    EXPECT_THROW(static_cast<void>(model(cache, "a", []() -> Result<Model> { throw 1; })), int);
+    EXPECT_EQ(cache.bytes(), 0U);
+    EXPECT_TRUE(model(cache, "a", triangle));
+}
+
+TEST(Cache, ForgetsEveryModelOfAMesh)
+{
+    Cache cache(1U << 30U);
     Builder built;
-    for (const char* key : {"m 1", "m 2", "n 1"}) { ASSERT_TRUE(cache.get(key, built())); }
+    for (const char* key : {"m 1", "m 2", "n 1"}) { ASSERT_TRUE(model(cache, key, built())); }
     cache.forget("m");
-    EXPECT_EQ(cache.bytes(), bytes_of(*triangle()));
-    ASSERT_TRUE(cache.get("n 1", built()));
+    EXPECT_EQ(cache.bytes(), bytes_of(Kept(*triangle())));
+    ASSERT_TRUE(model(cache, "n 1", built()));
     EXPECT_EQ(built.builds, 3);
 }
 

@@ -46,7 +46,7 @@ Outcome import_by(const std::string& script, std::size_t bytes = 1000, ImportLim
 
 void expect_failed(const std::string& script, std::size_t bytes = 1000)
 {
-    const Outcome outcome = import_by(script, bytes);
+    const Outcome outcome = import_by(script, bytes, {.memory = 1ULL << 26U});
     ASSERT_FALSE(outcome.result) << script;
     EXPECT_EQ(outcome.result.error().fault, Fault::ImportFailed) << script;
     EXPECT_FALSE(outcome.result.error().detail.empty()) << script;

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
@@ -37,7 +38,7 @@ bool killed_for_a_call(int status)
     return WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS;
 }
 
-TEST(Sandbox, KillsForAnyCallBeyondReadingWritingAndMemory)
+TEST(Sandbox, KillsForAnyCallBeyondWritingAndMemory)
 {
     const std::function<int()> calls[] = {[] { return ::open("/dev/null", O_RDONLY); },
                                           [] { return ::socket(AF_INET, SOCK_STREAM, 0); },
@@ -45,6 +46,10 @@ TEST(Sandbox, KillsForAnyCallBeyondReadingWritingAndMemory)
                                           [] { return ::execl("/bin/true", "true", nullptr); },
                                           [] { return ::kill(::getppid(), 0); },
                                           [] { return ::dup(0); },
+                                          [] {
+                                              char byte = 0;
+                                              return static_cast<int>(::read(0, &byte, 1));
+                                          },
                                           [] { return ::prctl(PR_SET_DUMPABLE, 1, 0, 0, 0); },
                                           [] {
                                               return ::mmap(nullptr, 4096, PROT_READ | PROT_EXEC,
@@ -74,6 +79,25 @@ TEST(Sandbox, LetsMemoryBeHadUpToItsBound)
     EXPECT_EXIT(in_sandbox({.memory = 512ULL << 20U}, take(600), false),
                 ::testing::ExitedWithCode(1), "");
 #endif
+}
+
+TEST(Sandbox, LetsNoFileGrowBeyondItsBound)
+{
+    const auto write = [](ssize_t bytes) {
+        return [bytes] {
+            const std::array<char, 1000> zeros{};
+            return ::write(STDOUT_FILENO, zeros.data(), static_cast<std::size_t>(bytes)) == bytes &&
+                           ::write(STDOUT_FILENO, zeros.data(), 1) == 1
+                       ? 0
+                       : 1;
+        };
+    };
+    const auto after = [](const std::function<int()>& act) {
+        ::dup2(::memfd_create("output", 0), STDOUT_FILENO);
+        in_sandbox({.output = 1000}, act, false);
+    };
+    EXPECT_EXIT(after(write(999)), ::testing::ExitedWithCode(0), "");
+    EXPECT_EXIT(after(write(1000)), ::testing::KilledBySignal(SIGXFSZ), "");
 }
 
 TEST(Sandbox, EndsEndlessWork)

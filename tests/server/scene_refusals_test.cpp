@@ -59,7 +59,6 @@ const Refusal text_and_mesh[] = {
      "at most 683 lm/W"},
     {with(R"("luminous_efficacy_lm_w":0)"), 422, Fault::OutOfRange, "/luminous_efficacy_lm_w",
      "more than 0"},
-    {with(R"("receipt":true)"), 422, Fault::NotAvailable, "/receipt", "leave it out"},
     {with(R"("receipt":1)"), 422, Fault::WrongType, "/receipt", "true or false"},
     // the mesh
     {R"({"mesh":"x"})", 422, Fault::WrongType, "/mesh", "an object {…}"},

@@ -464,7 +464,7 @@ TEST(RaytraceLight, PixelsAgreeWithVerticesUnderEveryLightAndWithBounces)
             scene.transport.bounces = bounces;
             scene.transport.samples = 4096;
             scene.camera = test::pinhead(p[vertex] + Vec3{-0.1, -0.2, 0.3}, p[vertex]);
-            const Column column = relight::column(stage, scene, 0, false, vertex, vertex + 1);
+            const Column column = relight::column(stage, scene, 0, vertex, vertex + 1);
             const auto number = [&](const std::vector<float>& values, std::size_t bands) {
                 return values.empty() ? 0.0 : static_cast<double>(values[bands == 1 ? 0 : 1]);
             };

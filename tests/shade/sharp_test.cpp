@@ -11,6 +11,13 @@
 namespace relight {
 namespace {
 
+std::vector<std::uint32_t> sharp_of(const Mesh& mesh, const Surface& surface,
+                                    std::span<const Rgbf> irradiance)
+{
+    Progress progress;
+    return sharp_vertices(mesh, surface, irradiance, 2, progress);
+}
+
 struct Lit {
     Stage stage;
     std::vector<Rgbf> irradiance;
@@ -23,7 +30,7 @@ struct Lit {
         Progress progress;
         irradiance =
             shade(stage, trace(stage, scene, {}, progress), scene, {}, progress).irradiance;
-        sharp = sharp_vertices(*stage.mesh, *stage.surface, irradiance);
+        sharp = sharp_of(*stage.mesh, *stage.surface, irradiance);
     }
 };
 
@@ -68,7 +75,7 @@ TEST(SharpVertices, TheEdgeOfDaylightOnAConvexBodyIsNone)
         for (const Dir3& n : stage.surface->normals) {
             irradiance.push_back(to_float(Rgb::grey(std::max(0.0, dot(n, sun)))));
         }
-        EXPECT_TRUE(sharp_vertices(hills, *stage.surface, irradiance).empty()) << elevation;
+        EXPECT_TRUE(sharp_of(hills, *stage.surface, irradiance).empty()) << elevation;
     }
 }
 
@@ -92,7 +99,7 @@ TEST(SharpVertices, AShadowsEdgeAcrossARoundBodyHasThemToo)
     for (const Point3& p : mesh.positions) {
         irradiance.push_back(to_float(Rgb::grey(p.x > 0.011 ? 0.0 : std::max(0.0, p.z))));
     }
-    const std::vector<std::uint32_t> sharp = sharp_vertices(mesh, *stage.surface, irradiance);
+    const std::vector<std::uint32_t> sharp = sharp_of(mesh, *stage.surface, irradiance);
     EXPECT_GT(sharp.size(), 50U);
     for (const std::uint32_t v : sharp) { EXPECT_LT(std::abs(mesh.positions[v].x), 0.06); }
 }
@@ -107,7 +114,7 @@ TEST(SharpVertices, EachEdgeOfAFaceCounts)
         irradiance[bright] = {1, 1, 1};
         irradiance[dim] = {0.35F, 0.35F, 0.35F};
         const auto [first, second] = std::minmax(bright, dim);
-        EXPECT_EQ(sharp_vertices(mesh, *stage.surface, irradiance),
+        EXPECT_EQ(sharp_of(mesh, *stage.surface, irradiance),
                   (std::vector<std::uint32_t>{first, second}));
     }
 }
@@ -150,19 +157,19 @@ TEST(SharpVertices, DarkMeshesAndCloudsAndUnlitVerticesHaveNone)
     const Mesh mesh = test::grid(4);
     const Stage stage = test::staged(mesh);
     const std::vector<Rgbf> dark(mesh.positions.size());
-    EXPECT_TRUE(sharp_vertices(mesh, *stage.surface, dark).empty());
+    EXPECT_TRUE(sharp_of(mesh, *stage.surface, dark).empty());
     std::vector<Rgbf> spot = dark;
     spot[12] = {1, 1, 1};
-    EXPECT_EQ(sharp_vertices(mesh, *stage.surface, spot).size(), 7U);
+    EXPECT_EQ(sharp_of(mesh, *stage.surface, spot).size(), 7U);
     spot[0] = {2000, 2000, 2000};  // beside which a corner far from it is dark
-    EXPECT_EQ(sharp_vertices(mesh, *stage.surface, spot), (std::vector<std::uint32_t>{0, 1, 5, 6}));
+    EXPECT_EQ(sharp_of(mesh, *stage.surface, spot), (std::vector<std::uint32_t>{0, 1, 5, 6}));
     spot[0] = {};
     Surface unlit = *stage.surface;
     unlit.normals[12] = {};
-    EXPECT_TRUE(sharp_vertices(mesh, unlit, spot).empty());
+    EXPECT_TRUE(sharp_of(mesh, unlit, spot).empty());
     Mesh cloud = mesh;
     cloud.faces = {};
-    EXPECT_TRUE(sharp_vertices(cloud, *stage.surface, spot).empty());
+    EXPECT_TRUE(sharp_of(cloud, *stage.surface, spot).empty());
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ Column lit(const Stage& stage, const LightShape& shape)
 {
     Scene scene;
     scene.lights = {light_of(shape)};
-    return column(stage, scene, 0, false, 0, stage.mesh->positions.size());
+    return column(stage, scene, 0, 0, stage.mesh->positions.size());
 }
 
 /// How a cloud's light differs from the mesh's.

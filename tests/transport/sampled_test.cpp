@@ -172,7 +172,7 @@ TEST(Sampled, LightWithoutAnOccluderIsExactAndCostsNoRay)
     for (const Light& light : every_sampled_light()) {
         if (!closed_irradiance(light.shape, {}, normalize({0, 0, 1}))) { continue; }
         const Scene scene = scene_of({light});
-        const Column open = column(plane, scene, 0, false, 0, plane.mesh->positions.size());
+        const Column open = column(plane, scene, 0, 0, plane.mesh->positions.size());
         EXPECT_EQ(open.rays, 0U);
         for (std::size_t v = 0; v < plane.mesh->positions.size(); ++v) {
             const double E = *closed_irradiance(light.shape, plane.mesh->positions[v],
@@ -181,7 +181,7 @@ TEST(Sampled, LightWithoutAnOccluderIsExactAndCostsNoRay)
             EXPECT_EQ(open.standard_error[v], 0.0F);
         }
         // A convex body is not in its own way: rays are asked, but nothing is noisy.
-        const Column round = column(ball, scene, 0, false, 0, ball.mesh->positions.size());
+        const Column round = column(ball, scene, 0, 0, ball.mesh->positions.size());
         for (std::size_t v = 0; v < ball.mesh->positions.size(); ++v) {
             const double E =
                 *closed_irradiance(light.shape, ball.mesh->positions[v], ball.surface->normals[v]);
@@ -199,7 +199,7 @@ TEST(Sampled, ASkyOnAnOpenPlaneIsPiTimesItsRadiance)
     const EnvironmentLight image{std::make_shared<const EnvironmentMap>(std::move(white)), 0.0};
     for (const Light& light : {light_of(EnvironmentLight{}, Rgb::grey(2.0)), light_of(image)}) {
         const Scene scene = scene_of({light}, 1024);
-        const Column sky = column(plane, scene, 0, false, 0, 25);
+        const Column sky = column(plane, scene, 0, 0, 25);
         for (std::size_t v = 0; v < 25; ++v) {
             const double E = light.power.r * static_cast<double>(sky.E[v * sky.bands]);
             const double error =
@@ -220,9 +220,10 @@ TEST(Sampled, WhatIsWhollyHiddenGetsExactlyNothing)
             std::holds_alternative<SkyLight>(light.shape)) {
             continue;  // seen under the roof's edge
         }
-        const Column column = relight::column(stage, scene_of({light}), 0, false, 0, 9);
+        const Column column = relight::column(stage, scene_of({light}), 0, 0, 9);
         EXPECT_EQ(*std::max_element(column.E.begin(), column.E.end()), 0.0F);
-        EXPECT_EQ(*std::max_element(column.visible.begin(), column.visible.end()), 0.0F);
+        EXPECT_EQ(*std::max_element(column.visible.share.begin(), column.visible.share.end()),
+                  0.0F);
     }
 }
 
@@ -239,13 +240,13 @@ TEST(Sampled, TheSameBytesOnAnyNumberOfThreads)
         wanted.threads = threads;
         const Transport many = trace(stage, scene, wanted, progress);
         EXPECT_EQ(many.rays, one.rays);
-        EXPECT_EQ(many.sh, one.sh);
-        EXPECT_EQ(many.ambient_occlusion, one.ambient_occlusion);
+        EXPECT_EQ(many.sky->sh, one.sky->sh);
+        EXPECT_EQ(many.sky->ambient_occlusion, one.sky->ambient_occlusion);
         for (std::size_t l = 0; l < scene.lights.size(); ++l) {
             EXPECT_EQ(many.columns[l]->E, one.columns[l]->E);
             EXPECT_EQ(many.columns[l]->E_bounced, one.columns[l]->E_bounced);
             EXPECT_EQ(many.columns[l]->standard_error, one.columns[l]->standard_error);
-            EXPECT_EQ(many.columns[l]->Lo, one.columns[l]->Lo);
+            EXPECT_EQ(many.drawn[l]->Lo, one.drawn[l]->Lo);
         }
     }
 }
@@ -330,8 +331,8 @@ TEST(Sampled, FixedRadianceIsTheSameAtEveryScaleOfTheWorld)
         Scene b = scene_of({light_of(large)});
         a.transport.shadows = b.transport.shadows = false;
         const std::size_t n = world.positions.size();
-        const Column at_a = column(here, a, 0, false, 0, n);
-        const Column at_b = column(there, b, 0, false, 0, n);
+        const Column at_a = column(here, a, 0, 0, n);
+        const Column at_b = column(there, b, 0, 0, n);
         for (std::size_t v = 0; v < n; ++v) { EXPECT_NEAR(at_a.E[v], at_b.E[v], 1e-5F); }
     }
 }
@@ -342,14 +343,14 @@ TEST(Sampled, TwoSidedReceiversAddTheLightOfBothSides)
     for (const double z : {2.0, -2.0}) {
         Scene scene = scene_of({light_of(SphereLight{{0.3, 0, z}, 0.5})});
         scene.transport.two_sided = true;
-        const Column both = column(sheet, scene, 0, false, 0, 4);
+        const Column both = column(sheet, scene, 0, 0, 4);
         const double E = irradiance(SphereLight{{0.3, 0, 2.0}, 0.5}, sheet.mesh->positions[0],
                                     normalize({0, 0, 1}));
         EXPECT_NEAR(static_cast<double>(both.E[0]), E, 1e-6);
     }
     Scene sky = scene_of({light_of(EnvironmentLight{})});
     sky.transport.two_sided = true;
-    EXPECT_NEAR(static_cast<double>(column(sheet, sky, 0, false, 0, 4).E[0]), 2.0 * pi, 1e-6);
+    EXPECT_NEAR(static_cast<double>(column(sheet, sky, 0, 0, 4).E[0]), 2.0 * pi, 1e-6);
 }
 
 TEST(Sampled, DegenerateLightsAndPlacesGiveFiniteNumbersThatAreNotNegative)
@@ -369,8 +370,8 @@ TEST(Sampled, DegenerateLightsAndPlacesGiveFiniteNumbersThatAreNotNegative)
     for (std::size_t l = 0; l < lights.size(); ++l) {
         Scene scene = scene_of({lights[l]}, 8);
         scene.transport.bounces = 1;
-        const Column c = column(stage, scene, 0, true, 0, stage.mesh->positions.size());
-        for (const auto* values : {&c.E, &c.E_bounced, &c.standard_error, &c.visible}) {
+        const Column c = column(stage, scene, 0, 0, stage.mesh->positions.size());
+        for (const auto* values : {&c.E, &c.E_bounced, &c.standard_error, &c.visible.share}) {
             for (const float x : *values) {
                 EXPECT_TRUE(std::isfinite(x)) << "light " << l;
                 EXPECT_GE(x, 0.0F) << "light " << l;
@@ -390,15 +391,14 @@ TEST(SkyVisibility, IsWhatAConstantSkyGivesOverPiAndMaxDistanceBoundsIt)
     const Column& column = *sky.columns[0];
     for (std::size_t v = 0; v < stage.mesh->positions.size(); ++v) {
         const double E = static_cast<double>(column.E[v]);
-        const double open = static_cast<double>(sky.ambient_occlusion[v]);
+        const double open = static_cast<double>(sky.sky->ambient_occlusion[v]);
         EXPECT_NEAR(open, E / pi, 0.03);
         // The constant term of the transfer is the same light: T_00 = AO pi Y_00.
-        EXPECT_NEAR(static_cast<double>(sky.sh[9 * v]), open * pi * 0.28209479, 1e-5);
+        EXPECT_NEAR(static_cast<double>(sky.sky->sh[9 * v]), open * pi * 0.28209479, 1e-5);
     }
     scene.transport.max_distance = 1e-6;
-    for (const float open : trace(stage, scene, wanted, progress).ambient_occlusion) {
-        EXPECT_EQ(open, 1.0F);
-    }
+    const Transport near = trace(stage, scene, wanted, progress);
+    for (const float open : near.sky->ambient_occlusion) { EXPECT_EQ(open, 1.0F); }
 }
 
 TEST(SkyVisibility, TransferTimesALinearSkyIsItsIrradiance)
@@ -418,7 +418,9 @@ TEST(SkyVisibility, TransferTimesALinearSkyIsItsIrradiance)
     const double L[4] = {a / y0, b * u.y / y1, b * u.z / y1, b * u.x / y1};
     for (std::size_t v = 0; v < ball.mesh->positions.size(); ++v) {
         double E = 0.0;
-        for (std::size_t k = 0; k < 4; ++k) { E += L[k] * static_cast<double>(sky.sh[9 * v + k]); }
+        for (std::size_t k = 0; k < 4; ++k) {
+            E += L[k] * static_cast<double>(sky.sky->sh[9 * v + k]);
+        }
         const double truth = pi * a + 2.0 * pi / 3.0 * b * dot(ball.surface->normals[v], u);
         EXPECT_NEAR(E, truth, 5e-3 * truth);
     }

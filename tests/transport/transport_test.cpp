@@ -70,8 +70,8 @@ TEST(Transport, AnyRangeOfVerticesGivesThatPartOfTheColumn)
     scene.transport.samples = 16;
     const std::size_t n = stage.mesh->positions.size();
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
-        const Column whole = column(stage, scene, l, false, 0, n);
-        const Column part = column(stage, scene, l, false, 100, 333);
+        const Column whole = column(stage, scene, l, 0, n);
+        const Column part = column(stage, scene, l, 100, 333);
         EXPECT_TRUE(std::equal(part.E.begin(), part.E.end(), whole.E.begin() + 100));
         EXPECT_TRUE(std::equal(part.E_bounced.begin(), part.E_bounced.end(),
                                whole.E_bounced.begin() + 300));

@@ -7,7 +7,7 @@ import os
 import socket
 import urllib.parse
 import uuid
-from typing import BinaryIO, Callable, Iterator, List, Mapping, Optional, Tuple, Union
+from typing import Any, BinaryIO, Callable, Iterator, List, Mapping, Optional, Tuple, Union
 
 _BLOCK = 1 << 18
 
@@ -89,17 +89,18 @@ class Connection:
         path: str,
         body: Optional[Body] = None,
         headers: Optional[Mapping[str, str]] = None,
-    ) -> Reply:
-        """One request. All of this API may be sent again, so a kept connection that the server has
-        closed in the meantime is opened anew, once."""
+        read: Callable[[http.client.HTTPResponse], Any] = Reply,
+    ) -> Any:
+        """One request; what `read` makes of the response. All of this API may be sent again, so a kept
+        connection that the server has closed in the meantime is opened anew, once."""
         kept = self._http.sock is not None
         try:
-            return self._once(method, path, body, headers or {})
+            return self._once(method, path, body, headers or {}, read)
         except (ConnectionError, http.client.BadStatusLine):
             self._http.close()
             if not kept:
                 raise
-        return self._once(method, path, body, headers or {})
+        return self._once(method, path, body, headers or {}, read)
 
     def _open(self) -> None:
         self._http.connect()
@@ -108,8 +109,13 @@ class Connection:
         self._http.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def _once(
-        self, method: str, path: str, body: Optional[Body], headers: Mapping[str, str]
-    ) -> Reply:
+        self,
+        method: str,
+        path: str,
+        body: Optional[Body],
+        headers: Mapping[str, str],
+        read: Callable[[http.client.HTTPResponse], Any],
+    ) -> Any:
         all_headers = {**self._headers, **headers}
         if body is not None:
             all_headers["Content-Length"] = str(body[0])
@@ -122,7 +128,7 @@ class Connection:
         except (BrokenPipeError, ConnectionResetError):
             pass  # it refused the body half-way: the reason is in its answer
         try:
-            return Reply(self._http.getresponse())
+            return read(self._http.getresponse())
         except BaseException:
             self._http.close()  # nothing of a half-read answer may meet the next request
             raise

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import http.client
 import io
 import json
 import os
 import re
 import urllib.parse
+from email.message import Message
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Union
 
+from relight import _fields
 from relight._http import Connection, Reply, Source, body_of, multipart
 
 _ID = re.compile(r"[0-9a-f]{64}")
@@ -68,9 +71,9 @@ class Mesh:
 class Answer:
     """What came of a relight request."""
 
-    def __init__(self, reply: Reply) -> None:
-        self.content = reply.content
-        self.headers = reply.headers  #: case does not matter: headers["relight-rays"]
+    def __init__(self, content: Union[bytes, bytearray], headers: Message) -> None:
+        self.content = content
+        self.headers = headers  #: case does not matter: headers["relight-rays"]
 
     @property
     def content_type(self) -> str:
@@ -98,9 +101,18 @@ class Answer:
         self._must_be("application/json", "json")
         return json.loads(self.content)
 
+    @property
+    def head(self) -> Dict[str, Any]:
+        """What an answer of `fields=` says beside its arrays: "vertices", each field's unit, "samples",
+        "warnings" …; of progressive answers, whether this is the "final" one."""
+        self._must_be(_fields.MEDIA_TYPE, "fields")
+        return _fields.head_of(self.content)[0]
+
     def arrays(self) -> Dict[str, Any]:
-        """The NumPy arrays of `"format": "npz"`, by name."""
-        self._must_be("application/x-npz", "npz")
+        """The NumPy arrays of `fields=`, which look into `content` (no copy), or of
+        `"format": "npz"`, by name."""
+        if self.content_type != _fields.MEDIA_TYPE:
+            self._must_be("application/x-npz", "npz")
         try:
             import numpy
         except ImportError:
@@ -108,13 +120,18 @@ class Answer:
                 "arrays() needs NumPy, which is not installed; json() reads the same numbers from "
                 'an answer of "format": "json" without it'
             ) from None
+        if self.content_type == _fields.MEDIA_TYPE:
+            return _fields.arrays_of(self.content)
         with numpy.load(io.BytesIO(self.content), allow_pickle=False) as arrays:
             return dict(arrays)
 
     def _must_be(self, media_type: str, name: str) -> None:
         if self.content_type != media_type:
+            way = 'fields="irradiance:float32"'
+            if name != "fields":
+                way = f'output={{"format": "{name}"}}'
             raise ValueError(
-                f'this answer is {self.content_type}; ask for it with output={{"format": "{name}"}}'
+                f"this answer is {self.content_type}, not {media_type}: ask for it with {way}"
             )
 
 
@@ -130,6 +147,7 @@ class Client:
     ) -> None:
         """`timeout` [s] is the longest silence; a big scene is computed in silence."""
         self._connection = Connection(base_url, timeout, token)
+        self._last: Optional[Answer] = None  # of relight(), for the server to say "the same"
 
     def __enter__(self) -> Client:
         return self
@@ -143,7 +161,7 @@ class Client:
     def upload(self, mesh: Source, format: Optional[str] = None) -> Mesh:
         """Stores a file, given as path or bytes; the same file again is the same mesh. The format is
         told by the path's ending, or else by the server from the first bytes."""
-        query = "?" + urllib.parse.urlencode({"format": format}) if format else ""
+        query = _query(format=format)
         headers = {"Content-Type": _media_type(mesh)}
         return Mesh._of(self._json("POST", "/v1/meshes" + query, body_of(mesh), headers))
 
@@ -168,8 +186,7 @@ class Client:
         """All stored meshes, newest first."""
         cursor: Optional[str] = None
         while True:
-            query = "?" + urllib.parse.urlencode({"cursor": cursor}) if cursor else ""
-            page = self._json("GET", "/v1/meshes" + query)
+            page = self._json("GET", "/v1/meshes" + _query(cursor=cursor))
             yield from map(Mesh._of, page["meshes"])
             cursor = page["next_cursor"]
             if cursor is None:
@@ -189,13 +206,60 @@ class Client:
         lights: Optional[Sequence[Mapping[str, Any]]] = None,
         material: Optional[Mapping[str, Any]] = None,
         output: Union[None, str, Mapping[str, Any]] = None,
-        **fields: Any,
+        *,
+        fields: Optional[str] = None,
+        session: Optional[str] = None,
+        **members: Any,
     ) -> Answer:
         """Lights a stored mesh (a `Mesh`, or its id) or a file (path or bytes), which is then sent
-        along and not stored. `output` is the API's object, or just the format's name. `fields` are the
+        along and not stored. `output` is the API's object, or just the format's name. `members` are the
         other members of the request as the API has them: view, camera, transport, display, points,
-        refine, materials."""
-        return Answer(self._ask("/v1/relight", mesh, lights, material, output, fields))
+        refine, materials.
+
+        `fields` asks for raw arrays instead of a file, the fastest way: "irradiance:float16,color:uint8"
+        (float32, float16, uint8); `arrays()` looks into them. A newer request of the same `session` (1
+        to 64 letters, digits, "-", "_") drops an older one that is still computed, also one of another
+        client; that one raises RelightError with the code "superseded".
+
+        The client keeps its last answer: where the server says that nothing has changed, it comes
+        again without being computed or sent."""
+        headers = {"Relight-Session": session} if session else {}
+        if self._last is not None:
+            headers["If-None-Match"] = self._last.headers["ETag"]
+        path = "/v1/relight" + _query(fields=fields)
+        reply = self._ask(path, mesh, lights, material, output, members, headers)
+        if reply.status == 304 and self._last is not None:
+            return self._last
+        answer = Answer(reply.content, reply.headers)
+        self._last = answer if "ETag" in reply.headers else None
+        return answer
+
+    def progressive(
+        self,
+        mesh: Union[Mesh, Source],
+        lights: Optional[Sequence[Mapping[str, Any]]] = None,
+        material: Optional[Mapping[str, Any]] = None,
+        *,
+        fields: str,
+        session: Optional[str] = None,
+        **members: Any,
+    ) -> Iterator[Answer]:
+        """The answers to one request, from few samples at first and from more and more after: `head`
+        says from how many ("samples"), how far off it is ("standard_error") and whether it is the
+        "final" one; without that one the stream was cut short, as by a newer request of the session.
+        Until the last is taken, or the iterator closed, the client can ask nothing else."""
+        headers = {"Relight-Session": session} if session else {}
+        path = "/v1/relight" + _query(fields=fields, progressive="1")
+        response = self._ask(path, mesh, lights, material, None, members, headers, _begun)
+        try:
+            while True:
+                message = _fields.read_message(response)
+                if message is None:
+                    return
+                yield Answer(message, response.headers)
+        finally:
+            if not response.isclosed():
+                self.close()  # nothing of a half-read answer may meet the next request
 
     def explain(
         self,
@@ -208,13 +272,13 @@ class Client:
         """Why these vertices are as bright as they are: a light's cosine, distance, visibility,
         blocker, the BRDF's terms, and what they add up to."""
         asked = {**fields, "vertices": [int(v) for v in vertices]}
-        reply = self._ask("/v1/explain", mesh, lights, material, None, asked)
+        reply = self._ask("/v1/explain", mesh, lights, material, None, asked, {})
         found = json.loads(reply.content)
         assert isinstance(found, dict)
         return found
 
     def _store(self, path: str, file: Source, format: Optional[str]) -> Dict[str, Any]:
-        query = "?" + urllib.parse.urlencode({"format": format}) if format else ""
+        query = _query(format=format)
         headers = {"Content-Type": "application/octet-stream"}
         return self._json("POST", path + query, body_of(file), headers)
 
@@ -225,9 +289,11 @@ class Client:
         lights: Optional[Sequence[Mapping[str, Any]]],
         material: Optional[Mapping[str, Any]],
         output: Union[None, str, Mapping[str, Any]],
-        fields: Mapping[str, Any],
-    ) -> Reply:
-        request: Dict[str, Any] = dict(fields)
+        members: Mapping[str, Any],
+        headers: Mapping[str, str],
+        read: Any = Reply,
+    ) -> Any:
+        request: Dict[str, Any] = dict(members)
         if lights is not None:
             request["lights"] = [dict(light) for light in lights]
         if material is not None:
@@ -245,11 +311,11 @@ class Client:
                     ("mesh", _media_type(id), body_of(id)),
                 ]
             )
-        return self._request("POST", path, body, {"Content-Type": content_type})
+        return self._request("POST", path, body, {"Content-Type": content_type, **headers}, read)
 
-    def _request(self, *arguments: Any) -> Reply:
+    def _request(self, *arguments: Any) -> Any:
         reply = self._connection.request(*arguments)
-        if reply.status >= 300:
+        if reply.status >= 300 and reply.status != 304:
             raise RelightError(reply.status, _problem(reply))
         return reply
 
@@ -257,6 +323,16 @@ class Client:
         found = json.loads(self._request(*arguments).content)
         assert isinstance(found, dict)
         return found
+
+
+def _query(**parameters: Optional[str]) -> str:
+    given = {name: value for name, value in parameters.items() if value}
+    return "?" + urllib.parse.urlencode(given, safe=":,") if given else ""
+
+
+def _begun(response: http.client.HTTPResponse) -> Union[Reply, http.client.HTTPResponse]:
+    """A good answer is read message by message, a refusal at once."""
+    return response if response.status < 300 else Reply(response)
 
 
 def _checked(id: str) -> str:

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace relight {
+
+/// Takes the next bytes of an answer; the view ends with the call. False: the receiver is gone.
+using Sink = std::function<bool(std::string_view)>;
+
+/// An answer that is written while it is sent: nobody holds all of it.
+struct Encoding {
+    std::uint64_t bytes = 0;  ///< that `write` gives, exactly
+    /// Gives the bytes to the sink in order; false if the sink refused, and then nothing follows.
+    /// The same bytes at each call. What the encoding was made of must still be there.
+    std::function<bool(const Sink&)> write;
+};
+
+/// All of it as one string.
+inline std::string whole(const Encoding& encoding)
+{
+    std::string out;
+    out.reserve(encoding.bytes);
+    encoding.write([&](std::string_view bytes) {
+        out += bytes;
+        return true;
+    });
+    assert(out.size() == encoding.bytes);
+    return out;
+}
+
+/// Collects small pieces for a sink in one block of memory that is used again and again: fresh
+/// memory costs more than filling it.
+class BlockOut {
+  public:
+    explicit BlockOut(const Sink& sink) : sink_(sink), block_(block_bytes) {}
+
+    /// Room for `bytes` more: fill it whole. Stays valid until the next call.
+    char* room(std::size_t bytes)
+    {
+        if (bytes > block_.size() - used_) { flush(); }
+        if (bytes > block_.size()) { block_.resize(bytes); }
+        used_ += bytes;
+        return block_.data() + used_ - bytes;
+    }
+
+    template <class T>
+    void number(T value)
+    {
+        std::memcpy(room(sizeof(T)), &value, sizeof(T));
+    }
+
+    /// Bytes as they are: few are collected, many go to the sink without a copy.
+    void bytes(std::string_view text)
+    {
+        if (text.size() < direct_bytes) {
+            std::copy(text.begin(), text.end(), room(text.size()));
+        } else if (flush()) {
+            open_ = sink_(text);
+        }
+    }
+
+    /// Gives the sink what was collected. False if it refuses or has refused: then all that follows
+    /// is dropped, and there is no use in going on.
+    bool flush()
+    {
+        if (open_ && used_ > 0) { open_ = sink_({block_.data(), used_}); }
+        used_ = 0;
+        return open_;
+    }
+    bool open() const { return open_; }
+
+    /// Small enough for a core's own cache, large enough that a call of the sink does not matter.
+    static constexpr std::size_t block_bytes = std::size_t{1} << 18;
+
+  private:
+    static constexpr std::size_t direct_bytes = std::size_t{1} << 16;
+    const Sink& sink_;
+    std::vector<char> block_;
+    std::size_t used_ = 0;
+    bool open_ = true;
+};
+
+}  // namespace relight

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/multipart.h"
+#include "server/relight.h"
+#include "server/request.h"
+
+namespace relight {
+
+/// SHA-256 of all that an answer depends on: the request in a canonical form, the files that came
+/// with it (files it names by id are named by their content), how it is answered (`query`: what
+/// stands after '?'), this build and its instruction set. The same bytes answer the same digest.
+/// `json` has been parsed well.
+std::string request_digest(std::string_view json, const std::vector<Part>& parts, Format format,
+                           std::string_view query);
+
+/// What a result can be checked by: hashes of the request (request_digest()), of the mesh and of
+/// the result, seed and samples, units, versions.
+std::string receipt_json(const RelightRequest& request, const std::vector<Part>& parts, Units units,
+                         std::string_view digest, const Encoding& body);
+
+/// Whether an If-None-Match header (RFC 9110, 13.1.2) names this entity tag.
+bool names_tag(std::string_view header, std::string_view tag);
+
+}  // namespace relight

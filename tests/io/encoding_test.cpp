@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include "core/io/fields_writer.h"
+#include "core/io/writers.h"
+#include "tests/io/full_mesh.h"
+
+namespace relight {
+namespace {
+
+constexpr std::uint32_t many = 30'000;  // vertices: some blocks of any encoding
+
+/// Meshes that differ in what a PLY of them holds.
+std::vector<Mesh> all_kinds(std::uint32_t vertices)
+{
+    const Mesh polygons = test::full_mesh(vertices);
+    Mesh materials = polygons, corner_uvs = polygons, long_face = polygons, triangles = polygons;
+    materials.materials = {"wall", "floor"};
+    materials.face_materials.resize(materials.faces.count(), 1);
+    corner_uvs.corner_uvs.resize(corner_uvs.faces.indices.size(), {0.5F, 0.25F});
+    for (std::uint32_t i = 0; i < 300; ++i) { long_face.faces.indices.push_back(i % vertices); }
+    long_face.faces.offsets.push_back(static_cast<std::uint32_t>(long_face.faces.indices.size()));
+    Mesh long_uvs = long_face;
+    long_uvs.corner_uvs.resize(long_uvs.faces.indices.size(), {0.5F, 0.25F});
+    long_uvs.materials = {"one"};
+    long_uvs.face_materials.resize(long_uvs.faces.count());
+    test::drop_polygons(triangles);
+    Mesh bare = triangles;
+    bare.normals.clear();
+    bare.uvs.clear();
+    bare.colors.clear();
+    Mesh floats = triangles;
+    floats.colors[1] = {0.123F, 4.0F, 0.0F};  // no 8-bit code
+    floats.double_positions = true;
+    Mesh cloud = floats;
+    cloud.faces = {};
+    cloud.absent = {1, vertices - 1};
+    return {polygons, materials, corner_uvs, long_face, long_uvs, triangles, bare, floats, cloud};
+}
+
+/// What a sink that takes `calls` of `write`'s blocks is given, and whether write says so.
+struct Refusal {
+    std::size_t calls = 0;
+    bool done = false;
+};
+
+Refusal refused_after(const Encoding& encoding, std::size_t calls)
+{
+    Refusal seen;
+    seen.done = encoding.write([&](std::string_view) { return ++seen.calls <= calls; });
+    return seen;
+}
+
+TEST(EncodePly, GivesAsManyBytesAsItPromises)
+{
+    for (const std::uint32_t vertices : {8U, many}) {
+        const std::vector<float> E(3 * std::size_t{vertices}, 0.5F), visible(vertices, 1.0F);
+        const std::vector<Rgb8> color(vertices);
+        const std::vector<Dir3> normals(vertices);
+        int kind = 0;
+        for (const Mesh& mesh : all_kinds(vertices)) {
+            SCOPED_TRACE(kind++);
+            const LitMesh all{mesh,
+                              normals,
+                              color,
+                              {{"irradiance", 3, E}, {"visibility_key", 1, visible}},
+                              {"units W/m2"}};
+            for (const LitMesh& lit : {LitMesh{mesh, {}, {}, {}, {}}, all}) {
+                const Encoding encoding = encode_ply(lit);
+                std::string sent;
+                EXPECT_TRUE(encoding.write([&](std::string_view bytes) {
+                    EXPECT_FALSE(bytes.empty());
+                    EXPECT_LE(bytes.size(), BlockOut::block_bytes);
+                    sent += bytes;
+                    return true;
+                }));
+                EXPECT_EQ(sent.size(), encoding.bytes);
+                EXPECT_EQ(sent, write_ply(lit, PlyEncoding::BinaryLittleEndian));
+            }
+        }
+    }
+}
+
+TEST(EncodePly, NeedsTheMeshAndTheSpansAndNothingElse)
+{
+    const Mesh mesh = test::full_mesh(20);
+    const std::vector<float> E(60, 0.5F);
+    const std::vector<Rgb8> color(20);
+    const LitMesh lit{mesh, {}, color, {{"irradiance", 3, E}}, {"units W/m2"}};
+    const Encoding encoding = encode_ply(LitMesh(lit));  // gone before it is written
+    EXPECT_EQ(whole(encoding), write_ply(lit, PlyEncoding::BinaryLittleEndian));
+}
+
+TEST(EncodePly, StopsWhenTheReceiverIsGone)
+{
+    for (const Mesh& mesh : all_kinds(many)) {
+        const Encoding encoding = encode_ply({mesh, {}, {}, {}, {}});
+        const std::size_t blocks = refused_after(encoding, 1000).calls;
+        EXPECT_GE(blocks, 2U);
+        for (std::size_t taken = 0; taken < blocks; ++taken) {
+            const Refusal refusal = refused_after(encoding, taken);
+            EXPECT_EQ(refusal.calls, taken + 1);
+            EXPECT_FALSE(refusal.done);
+        }
+        EXPECT_TRUE(refused_after(encoding, blocks).done);
+    }
+}
+
+TEST(EncodeFields, StopsWhenTheReceiverIsGone)
+{
+    const std::vector<float> E(3 * std::size_t{many}, 0.5F);
+    for (const FieldType type : {FieldType::Float32, FieldType::Float16, FieldType::UInt8}) {
+        const Encoding encoding = encode_fields(many, {{"a", type, 3, E, ""},
+                                                       {"b", type, 3, E, ""},
+                                                       {"c", type, 3, E, ""},
+                                                       {"d", type, 3, E, ""}});
+        const std::size_t blocks = refused_after(encoding, 1000).calls;
+        EXPECT_GE(blocks, 2U);
+        for (std::size_t taken = 0; taken < blocks; ++taken) {
+            const Refusal refusal = refused_after(encoding, taken);
+            EXPECT_EQ(refusal.calls, taken + 1);
+            EXPECT_FALSE(refusal.done);
+        }
+        EXPECT_TRUE(refused_after(encoding, blocks).done);
+    }
+}
+
+TEST(BlockOut, TakesPiecesOfAnySizeInOrder)
+{
+    std::string sent, expected;
+    const Sink sink = [&](std::string_view bytes) {
+        sent += bytes;
+        return true;
+    };
+    BlockOut out(sink);
+    for (const std::size_t size : {1U, 0U, 100'000U, 3U, 200'000U, 60'000U, 262'144U, 5U}) {
+        const std::string piece(size, static_cast<char>('a' + size % 23));
+        out.bytes(piece);
+        std::copy(piece.begin(), piece.end(), out.room(size));
+        out.number(std::uint16_t{0x4142});
+        expected += piece + piece + "BA";
+    }
+    const std::size_t row = 3 * BlockOut::block_bytes;  // larger than a block
+    std::fill_n(out.room(row), row, 'z');
+    expected += std::string(row, 'z');
+    EXPECT_TRUE(out.flush());
+    EXPECT_EQ(sent, expected);
+}
+
+}  // namespace
+}  // namespace relight
