@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
+#include <system_error>
 #include <thread>
 
 #include "server/options.h"
@@ -84,11 +87,28 @@ int serve(const Options& options)
     return served ? 0 : 1;
 }
 
+/// Starts the program again with glibc told to give large arrays huge pages and to keep what is
+/// freed for the next request: a fault for each 4 KiB costs more than most of what is done with
+/// them (a tree over 2 M triangles is built in 0.22 s instead of 0.42). Only the environment can
+/// say so, and before the program starts. Who has set it otherwise is left alone.
+void want_huge_pages(char** argv)
+{
+    if (std::getenv("GLIBC_TUNABLES") != nullptr) { return; }
+    ::setenv("GLIBC_TUNABLES",
+             "glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=1073741824:"
+             "glibc.malloc.trim_threshold=1073741824",
+             0);
+    std::error_code unknown;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    ::execv(program.c_str(), argv);  // returns only if it could not: then all is as it was
+}
+
 }  // namespace
 }  // namespace relight
 
 int main(int argc, char** argv)
 {
+    relight::want_huge_pages(argv);
     try {
         const relight::ParsedOptions parsed = relight::parse_options(argc, argv);
         return parsed.exit_code ? *parsed.exit_code : relight::serve(parsed.options);

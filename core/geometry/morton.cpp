@@ -99,8 +99,6 @@ std::vector<std::uint32_t> morton_order(std::span<const Point3> points, const Bo
     const std::size_t count = points.size();
     const auto items = std::make_unique_for_overwrite<Item[]>(count);
     const auto scratch = std::make_unique_for_overwrite<Item[]>(count);
-    ask_for_huge_pages(items.get(), count * sizeof(Item));
-    ask_for_huge_pages(scratch.get(), count * sizeof(Item));
     parallel_for(count, block, threads, progress, [&](std::size_t begin, std::size_t end) {
         std::iota(items.get() + begin, items.get() + end, Item{begin});
     });

@@ -33,8 +33,17 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
         std::atomic_ref(sharp[v]).store(1, std::memory_order_relaxed);
     };
     const Faces& faces = mesh.faces;
+    // An edge that is sharp falls to less than half of the face's brightest corner.
+    const std::uint32_t* const corners = faces.indices.data();
+    const bool triangles = faces.offsets.empty();
+    const auto falls_by_half = [&](std::size_t f) {
+        if (!triangles) { return true; }
+        const float a = E[corners[3 * f]], b = E[corners[3 * f + 1]], c = E[corners[3 * f + 2]];
+        return std::min(a, std::min(b, c)) < 0.5F * std::max(a, std::max(b, c));
+    };
     parallel_for(faces.count(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
+            if (!falls_by_half(f)) { continue; }
             for (std::size_t c = faces.begin(f), before = faces.end(f) - 1; c < faces.end(f);
                  before = c++) {
                 const std::uint32_t a = faces.indices[before], b = faces.indices[c];
