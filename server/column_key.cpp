@@ -55,7 +55,7 @@ class KeyText {
     void one(const std::variant<Kinds...>& kinds)
     {
         one(kinds.index());
-        std::visit([this](const auto& kind) { one(kind); }, kinds);
+        std::visit([this](const auto& kind) { this->one(kind); }, kinds);
     }
     template <class T>
     void file(const std::shared_ptr<const T>& made)

@@ -36,15 +36,13 @@ class ComputePool {
     /// Runs `work(progress)`, a Result, here and waits for it; what it throws is thrown again.
     /// Errors: Overloaded if the queue is full, Stopping if it was dropped from it.
     template <class Work>
-    auto run(Work work, std::shared_ptr<Progress> progress = std::make_shared<Progress>())
+    auto run(Work work, const std::shared_ptr<Progress>& progress = std::make_shared<Progress>())
         -> std::invoke_result_t<Work, Progress&>
     {
         using Answer = std::invoke_result_t<Work, Progress&>;
         auto task = std::make_shared<std::packaged_task<Answer(Progress&)>>(std::move(work));
         auto answer = task->get_future();
-        if (!submit([task](Progress& p) { (*task)(p); }, std::move(progress))) {
-            return overloaded();
-        }
+        if (!submit([task](Progress& p) { (*task)(p); }, progress)) { return overloaded(); }
         task.reset();  // a job that is dropped breaks its promise, which wakes us
         try {
             return answer.get();

@@ -50,12 +50,12 @@ std::string request_digest(std::string_view json, const std::vector<Part>& parts
 {
     std::map<std::string, std::string> files;  // whatever order they came in
     for (const Part& part : parts) {
-        files[part.name] = part.content_type + ' ' + relight::sha256(part.data);
+        files[part.name] = relight::sha256(part.content_type) + relight::sha256(part.data);
     }
     std::string all = std::string(RELIGHT_VERSION) + '\n' + Bvh::kernel() + '\n' +
                       std::to_string(static_cast<int>(format)) + '\n' + std::string(query) + '\n';
-    for (const auto& [name, content] : files) { all += name + ' ' + content + '\n'; }
-    return relight::sha256(all + canonical(json));
+    for (const auto& [name, content] : files) { all.append(relight::sha256(name)).append(content); }
+    return relight::sha256(all.append(canonical(json)));
 }
 
 std::string receipt_json(const RelightRequest& request, const std::vector<Part>& parts, Units units,

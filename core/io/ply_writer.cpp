@@ -90,7 +90,8 @@ template <class Body>
 void for_rows(std::size_t count, std::size_t stride, Body body)
 {
     constexpr std::size_t block = std::size_t{1} << 14;
-    const std::size_t rows = std::clamp<std::size_t>(block / stride, 1, 1024);
+    const std::size_t rows =
+        std::clamp<std::size_t>(block / std::max<std::size_t>(stride, 1), 1, 1024);
     for (std::size_t first = 0; first < count; first += rows) {
         if (!body(first, std::min(rows, count - first))) { return; }
     }

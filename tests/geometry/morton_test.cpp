@@ -54,7 +54,11 @@ double mean_step(const std::vector<Point3>& points, const Order& order)
 TEST(MortonOrder, GoesThroughTheOctantsXFirstThenYThenZ)  // the curve's definition
 {
     std::vector<Point3> corners;
-    for (int i = 7; i >= 0; --i) { corners.push_back({i % 2 * 1.0, i / 2 % 2 * 1.0, i / 4 * 1.0}); }
+    for (int i = 7; i >= 0; --i) {
+        const int y = i / 2 % 2;
+        const int z = i / 4;
+        corners.push_back({i % 2 * 1.0, y * 1.0, z * 1.0});
+    }
     EXPECT_EQ(ordered(corners), (Order{7, 6, 5, 4, 3, 2, 1, 0}));
 }
 
@@ -94,8 +98,10 @@ TEST(MortonOrder, ManyCrowdsAreEachPutInOrder)
 {
     std::vector<Point3> points;  // 40 grids, each in a cell of its own
     for (int i = 0; i < 40; ++i) {
+        const int column = i % 8;
+        const int row = i / 8;
         for (const Point3 p : shuffled_grid(30, 1.0)) {
-            points.push_back(p + Vec3{1e6 * (i % 8), 1e6 * (i / 8), 0.0});
+            points.push_back(p + Vec3{1e6 * column, 1e6 * row, 0.0});
         }
     }
     const Order order = ordered(points);

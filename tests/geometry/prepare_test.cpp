@@ -29,7 +29,8 @@ Mesh rough(int side)
         const bool thin = unit(random) < 0.1;
         p = {p.x + 0.4 / side * unit(random), thin ? 1e-9 * p.y : p.y, 0.3 * unit(random)};
     }
-    for (std::size_t c = 0; c < mesh.faces.indices.size(); c += 3 * 17) {
+    constexpr std::size_t every_17th = 51;
+    for (std::size_t c = 0; c < mesh.faces.indices.size(); c += every_17th) {
         mesh.faces.indices[c] = mesh.faces.indices[c + 1];
     }
     for (int i = 0; i < 9; ++i) { mesh.positions.push_back({1.0 * i, 0, 0}); }

@@ -63,24 +63,6 @@ TEST(Cache, BuildsAModelOnceForAllWhoAskAtOnce)
     EXPECT_EQ(builds, 1);
 }
 
-TEST(Cache, HoldsNoMoreThanItsBytesAndDropsTheLeastRecentlyUsed)
-{
-    const std::uint64_t one = bytes_of(Kept(*triangle()));
-    Cache cache(2 * one + one / 2);
-    Builder a;
-    Builder b;
-    Builder c;
-    for (int i = 0; i < 2; ++i) { ASSERT_TRUE(model(cache, "a", a())); }
-    ASSERT_TRUE(model(cache, "b", b()));
-    ASSERT_TRUE(model(cache, "a", a()));
-    ASSERT_TRUE(model(cache, "c", c()));  // b goes: a was used after it
-    EXPECT_LE(cache.bytes(), 2 * one + one / 2);
-    ASSERT_TRUE(model(cache, "a", a()));
-    EXPECT_EQ(a.builds, 1);
-    ASSERT_TRUE(model(cache, "b", b()));
-    EXPECT_EQ(b.builds, 2);
-}
-
 /// A column of this many bytes that took so long to trace.
 std::function<Result<SharedColumn>()> column(std::size_t bytes, std::chrono::milliseconds time)
 {
@@ -92,25 +74,43 @@ std::function<Result<SharedColumn>()> column(std::size_t bytes, std::chrono::mil
     };
 }
 
-TEST(Cache, LetsGoWhatIsSoonMadeAgainBeforeWhatIsNot)
+/// Asks for a column, and says whether it had to be made.
+bool makes(Cache& cache, const std::string& key, std::size_t bytes, std::chrono::milliseconds time)
 {
-    Cache cache(3000);
     Progress progress;
     bool made = false;
-    const auto get = [&](const char* key, std::size_t bytes, int ms) {
-        made = false;
-        ASSERT_TRUE(cache.get<SharedColumn>(key, progress, [&] {
-            made = true;
-            return column(bytes, std::chrono::milliseconds(ms))();
-        }));
-    };
-    get("dear", 1000, 50);
-    get("cheap", 1000, 0);
-    get("large", 1600, 0);  // one of the two goes
-    get("dear", 1000, 50);
-    EXPECT_FALSE(made);
-    get("cheap", 1000, 0);
-    EXPECT_TRUE(made);
+    EXPECT_TRUE(cache.get<SharedColumn>(key, progress, [&] {
+        made = true;
+        return column(bytes, time)();
+    }));
+    return made;
+}
+
+TEST(Cache, LetsGoWhatIsSoonMadeAgainBeforeWhatIsNot)
+{
+    using std::chrono::milliseconds;
+    Cache cache(3000);
+    EXPECT_TRUE(makes(cache, "dear", 1000, milliseconds(200)));
+    EXPECT_TRUE(makes(cache, "cheap", 1000, milliseconds(0)));
+    EXPECT_TRUE(makes(cache, "large", 1600, milliseconds(100)));  // one has to go
+    EXPECT_LE(cache.bytes(), 3000U);
+    EXPECT_FALSE(makes(cache, "dear", 1000, milliseconds(200)));
+    EXPECT_FALSE(makes(cache, "large", 1600, milliseconds(100)));
+    EXPECT_TRUE(makes(cache, "cheap", 1000, milliseconds(0)));
+}
+
+TEST(Cache, LetsTheDearestGoInTheEndIfNobodyAsksForIt)
+{
+    using std::chrono::milliseconds;
+    Cache cache(3000);
+    EXPECT_TRUE(makes(cache, "asked for", 1000, milliseconds(30)));
+    EXPECT_TRUE(makes(cache, "forgotten", 1000, milliseconds(30)));
+    for (int i = 0; i < 60; ++i) {
+        makes(cache, std::to_string(i), 1000, milliseconds(3));
+        EXPECT_FALSE(makes(cache, "asked for", 1000, milliseconds(30))) << i;
+        EXPECT_LE(cache.bytes(), 3000U);
+    }
+    EXPECT_TRUE(makes(cache, "forgotten", 1000, milliseconds(30)));
 }
 
 TEST(Cache, DoesNotEmptyItselfForWhatIsTooLarge)

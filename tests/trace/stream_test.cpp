@@ -29,8 +29,10 @@ std::vector<Mesh> meshes()
 std::vector<ShadowRay> rays_at_random()
 {
     Numbers numbers;
+    constexpr std::size_t count = 10000;
     std::vector<ShadowRay> rays;
-    for (int k = 0; k < 10000; ++k) {
+    rays.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
         rays.push_back({{numbers.in(-1, 1), numbers.in(-1, 1), numbers.in(-0.2, 1)},
                         numbers.direction(),
                         numbers.in(0.0, 0.2),
