@@ -15,6 +15,7 @@ struct Part {
     std::string name;
     std::string content_type;  ///< empty if the part names none
     std::string data;
+    std::string id{};  ///< SHA-256 of the data, as of what is stored; once it has come whole
 };
 
 struct MultipartLimits {

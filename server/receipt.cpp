@@ -38,7 +38,7 @@ std::string mesh_id(const RelightRequest& request, const std::vector<Part>& part
     if (const auto* stored = std::get_if<StoredMesh>(&request.mesh)) { return stored->id; }
     const auto* mesh = std::get_if<PartMesh>(&request.mesh);
     for (const Part& part : parts) {
-        if (mesh != nullptr && part.name == mesh->part) { return relight::sha256(part.data); }
+        if (mesh != nullptr && part.name == mesh->part) { return part.id; }
     }
     return {};
 }
@@ -50,7 +50,7 @@ std::string request_digest(std::string_view json, const std::vector<Part>& parts
 {
     std::map<std::string, std::string> files;  // whatever order they came in
     for (const Part& part : parts) {
-        files[part.name] = relight::sha256(part.content_type) + relight::sha256(part.data);
+        files[part.name] = relight::sha256(part.content_type) + part.id;
     }
     std::string all = std::string(RELIGHT_VERSION) + '\n' + Bvh::kernel() + '\n' +
                       std::to_string(static_cast<int>(format)) + '\n' + std::string(query) + '\n';

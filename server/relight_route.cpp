@@ -13,6 +13,7 @@
 #include "server/reply.h"
 #include "server/routes.h"
 #include "server/scene_json.h"
+#include "server/sha256.h"
 
 namespace relight {
 namespace {
@@ -63,6 +64,7 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
                 continue;
             }
             posted.has_mesh_part = posted.has_mesh_part || part.name == "mesh";
+            part.id = sha256(part.data);
             posted.parts.push_back(std::move(part));
         }
         return Received{std::move(posted)};

@@ -168,7 +168,7 @@ struct ModelFinder {
     {
         const Part* part = part_named(mesh.part, parts);
         if (part == nullptr) { return no_such_part(mesh.part, "/mesh/part"); }
-        return kept(key(sha256(part->data), part->content_type), [&] {
+        return kept(key(part->id, part->content_type), [&] {
             return build(std::as_bytes(std::span(part->data)), {}, part->content_type);
         });
     }
@@ -202,7 +202,7 @@ Result<Attachment> find_attachment(const LightFile& file, const Store& store,
     const std::string& name = std::get<PartMesh>(file.source).part;
     const Part* part = part_named(name, parts);
     if (part == nullptr) { return no_such_part(name, file.pointer + "/part"); }
-    return Attachment{sha256(part->data), {}, part->content_type, [part] {
+    return Attachment{part->id, {}, part->content_type, [part] {
                           const auto bytes = std::as_bytes(std::span(part->data));
                           return std::vector<std::byte>(bytes.begin(), bytes.end());
                       }};
