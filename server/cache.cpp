@@ -32,7 +32,8 @@ std::uint64_t bytes_of(const Model& model)
            bytes_of(surface.triangles) + bytes_of(surface.triangle_face) +
            bytes_of(surface.normals) + bytes_of(surface.smooth_normals) +
            bytes_of(surface.spacing) + bytes_of(surface.bend) + bytes_of(surface.vertex_groups) +
-           bytes_of(surface.tangents) + bytes_of(surface.order) + model.stage.bvh->bytes();
+           bytes_of(surface.tangents) + bytes_of(surface.order) + surface.ordered.bytes() +
+           model.stage.bvh->bytes();
 }
 
 std::uint64_t bytes_of(const SharedMap& map)

@@ -96,7 +96,8 @@ std::uint64_t start_of_ours(Json& root, const Container& file)
 
 /// An attribute of all vertices: the pieces' accessors share its view.
 struct Column {
-    Quantity3 attribute;
+    std::string name;
+    int components;
     std::size_t view;
 };
 
@@ -108,14 +109,14 @@ void set_attributes(Json& root, const GltfPiece& piece, std::uint64_t mesh,
     const Json& positions = element(root, "accessors", whole(attributes.at("POSITION")));
     if (whole(positions.at("count")) != piece.vertices) { throw Mismatch{}; }
     for (const Column& column : columns) {
-        const std::string& name = column.attribute.name;
-        const auto row = static_cast<std::uint64_t>(column.attribute.components) * sizeof(float);
+        const std::string& name = column.name;
+        const auto row = static_cast<std::uint64_t>(column.components) * sizeof(float);
         attributes[name] = root["accessors"].size();
         root["accessors"].push_back({{"bufferView", column.view},
                                      {"byteOffset", row * piece.first_vertex},
                                      {"componentType", glb::f32},
                                      {"count", piece.vertices},
-                                     {"type", glb::type_name(column.attribute.components)}});
+                                     {"type", glb::type_name(column.components)}});
         // What Draco packed would come out instead.
         const Json::json_pointer packed("/extensions/KHR_draco_mesh_compression/attributes");
         if (primitive.contains(packed)) { primitive[packed].erase(name); }
@@ -131,12 +132,31 @@ void add_comments(Json& root, const std::vector<std::string>& comments)
     if (extras.is_null()) { root["asset"].erase("extras"); }
 }
 
-std::string added(const Container& file, const LitMesh& lit)
+/// What is added: names, components, and all vertices' numbers.
+struct Attribute {
+    std::string name;
+    int components;
+    Piece array;
+};
+
+std::vector<Attribute> attributes_of(const LitMesh& lit)
+{
+    std::vector<Attribute> attributes;
+    for (Quantity3& quantity : glb::attributes_of(lit.quantities)) {
+        attributes.push_back(
+            {std::move(quantity.name), quantity.components, span_piece(quantity.values)});
+    }
+    if (!lit.color.empty()) {
+        attributes.push_back(
+            {"COLOR_0", 3, rows_piece(lit.color.size(), glb::LinearColors(lit.color))});
+    }
+    return attributes;
+}
+
+Encoding added(const Container& file, const LitMesh& lit)
 {
     const std::size_t vertices = lit.mesh.positions.size();
-    const std::vector<float> linear = glb::linear_colors(lit.color);
-    std::vector<Quantity3> attributes = glb::attributes_of(lit.quantities);
-    if (!linear.empty()) { attributes.push_back({"COLOR_0", 3, linear}); }
+    std::vector<Attribute> attributes = attributes_of(lit);
 
     Json root = parsed(file.json);
     const std::vector<GltfPiece>& pieces = lit.mesh.pieces;
@@ -160,17 +180,20 @@ std::string added(const Container& file, const LitMesh& lit)
     std::string_view before = file.binary.value_or(std::string_view());
     if (!attributes.empty()) { before = before.substr(0, start_of_ours(root, file)); }
     std::uint64_t end = (before.size() + 3) / 4 * 4;
+    std::vector<Piece> out{span_piece(std::span(before)), glb::padding_behind(before.size())};
     std::vector<Column> columns;
     if (!attributes.empty()) {
-        for (Quantity3& attribute : attributes) {
-            const std::size_t bytes = attribute.values.size_bytes();
-            columns.push_back({std::move(attribute), root["bufferViews"].size()});
+        for (Attribute& attribute : attributes) {
+            const std::uint64_t bytes = attribute.array.bytes;
+            columns.push_back(
+                {std::move(attribute.name), attribute.components, root["bufferViews"].size()});
             root["bufferViews"].push_back({{"buffer", 0},
                                            {"byteOffset", end},
                                            {"byteLength", bytes},
                                            {"byteStride", bytes / vertices},
                                            {"target", glb::vertex_data}});
             end += bytes;
+            out.push_back(std::move(attribute.array));
         }
         root["buffers"][0]["byteLength"] = end;
     }
@@ -178,26 +201,22 @@ std::string added(const Container& file, const LitMesh& lit)
         set_attributes(root, pieces[i], meshes[i], columns);
     }
 
-    std::string out = glb::begun(root.dump(), end, file.rest.size());
-    if (out.empty()) {
+    std::string head = glb::begun(root.dump(), end, file.rest.size());
+    if (head.empty()) {
         throw Declined{
             "the answer is larger than 4 GiB, and a GLB cannot be; ask for another format "
             "(\"ply\", "
             "\"vtp\", \"npz\")"};
     }
-    out += before;
-    out.append((4 - before.size() % 4) % 4, '\0');
-    for (const Column& column : columns) {
-        out.append(reinterpret_cast<const char*>(column.attribute.values.data()),
-                   column.attribute.values.size_bytes());
-    }
-    return out += file.rest;
+    out.insert(out.begin(), text_piece(std::move(head)));
+    out.push_back(span_piece(std::span(file.rest)));
+    return joined(std::move(out));
 }
 
 }  // namespace
 }  // namespace gltf_answer
 
-Result<std::string> add_to_gltf(std::span<const std::byte> file, const LitMesh& lit)
+Result<Encoding> add_to_gltf(std::span<const std::byte> file, const LitMesh& lit)
 {
     const Error not_it{
         Fault::Internal, "the stored glTF is not the one that the mesh came from", {}, {}, {}};

@@ -15,9 +15,10 @@ namespace relight {
 /// mesh that several nodes show is copied for each (its accessors are shared), for each is lit
 /// otherwise; instances of EXT_mesh_gpu_instancing become nodes. `lit.mesh.pieces` says where each
 /// vertex belongs. The importer accepted the file before: nothing here decodes what it compressed.
+/// `file`, and what the Encodings of core/io need, must outlive the answer.
 /// Errors: Internal (the file is not the one that the mesh came from), NotAvailable (instances
 /// whose transforms are compressed or sparse; copies of meshes beyond 16 MiB of JSON, 250000
 /// accessors; 4 GiB, the most that a GLB holds).
-Result<std::string> add_to_gltf(std::span<const std::byte> file, const LitMesh& lit);
+Result<Encoding> add_to_gltf(std::span<const std::byte> file, const LitMesh& lit);
 
 }  // namespace relight

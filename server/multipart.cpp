@@ -1,6 +1,7 @@
 #include "server/multipart.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/json_text.h"
 #include "server/json_tree.h"
@@ -219,6 +220,7 @@ bool MultipartParser::read_data(bool& progressed)
     if (!before_first_) {
         Part& part = parts_.back();
         part.data.append(buffer_, 0, data);
+        hash_.add(std::string_view(buffer_).substr(0, data));
         if (part.name == "request" && part.data.size() > limits_.request_bytes) {
             return fail(Fault::BodyTooLarge, "the part \"request\" holds at most " +
                                                  std::to_string(limits_.request_bytes) + " bytes");
@@ -226,6 +228,7 @@ bool MultipartParser::read_data(bool& progressed)
     }
     if (at != std::string::npos) {
         buffer_.erase(0, at + delimiter_.size());
+        if (!before_first_) { parts_.back().id = std::exchange(hash_, {}).hex(); }
         before_first_ = false;
         state_ = State::AfterDelimiter;
         progressed = true;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/sha256.h"
 
 namespace relight {
 
@@ -15,7 +16,7 @@ struct Part {
     std::string name;
     std::string content_type;  ///< empty if the part names none
     std::string data;
-    std::string id{};  ///< SHA-256 of the data, as of what is stored; once it has come whole
+    std::string id{};  ///< SHA-256 of the data, as of what is stored
 };
 
 struct MultipartLimits {
@@ -57,6 +58,7 @@ class MultipartParser {
     State state_ = State::Data;
     bool before_first_ = true;
     std::vector<Part> parts_;
+    Sha256 hash_;  // of the last part, as it comes
     std::optional<Error> error_;
 };
 

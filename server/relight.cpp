@@ -25,12 +25,12 @@ std::size_t clamp_to_finite(std::vector<Rgbf>& values, unsigned threads)
     std::atomic<std::size_t> clamped{0};
     parallel_for(
         values.size(), block, threads, to_the_end, [&](std::size_t begin, std::size_t end) {
-            // The usual case first, without a branch: the exponent of none is all ones.
+            // The usual case first, without a branch and in one loop, which becomes vectors: the
+            // exponent of none is all ones.
             std::uint32_t beyond = 0;
-            for (std::size_t v = begin; v < end; ++v) {
-                for (const float band : values[v]) {
-                    beyond |= (std::bit_cast<std::uint32_t>(band) & 0x7fffffffU) + 0x00800000U;
-                }
+            const float* const bands = values[begin].data();
+            for (std::size_t i = 0; i < 3 * (end - begin); ++i) {
+                beyond |= (std::bit_cast<std::uint32_t>(bands[i]) & 0x7fffffffU) + 0x00800000U;
             }
             if ((beyond & 0x80000000U) == 0) { return; }
             for (std::size_t v = begin; v < end; ++v) {
@@ -78,19 +78,21 @@ Result<Encoded> light_vertices(const RelightRequest& request, Format format, con
     if (progress.stopped()) { return cancelled(); }
     const ShadeOptions options{radiance, wanted.per_light,
                                wanted.standard_error || output.progressive, workshop.threads};
-    Shaded shaded =
-        timed(timings.shade, [&] { return shade(stage, transport, scene, options, progress); });
-    if (progress.stopped()) { return cancelled(); }
-    std::size_t clamped = clamp_to_finite(shaded.irradiance, workshop.threads) +
-                          clamp_to_finite(shaded.radiance, workshop.threads) +
-                          clamp_to_finite(shaded.standard_error, workshop.threads);
-    for (auto& one : shaded.per_light) { clamped += clamp_to_finite(one, workshop.threads); }
     Encoded encoded;
     encoded.media_type = media_type(format);
     encoded.rays = transport.rays;
     encoded.units = scene.units;
-    encoded.warnings = warnings_of(stage, scene, clamped, Receivers::Vertices);
-    warn_of_thin_shadows(encoded.warnings, stage, shaded.irradiance, workshop.threads, progress);
+    Shaded shaded = timed(timings.shade, [&] {
+        Shaded lit = shade(stage, transport, scene, options, progress);
+        std::size_t clamped = clamp_to_finite(lit.irradiance, workshop.threads) +
+                              clamp_to_finite(lit.radiance, workshop.threads) +
+                              clamp_to_finite(lit.standard_error, workshop.threads);
+        for (auto& one : lit.per_light) { clamped += clamp_to_finite(one, workshop.threads); }
+        encoded.warnings = warnings_of(stage, scene, clamped, Receivers::Vertices);
+        warn_of_thin_shadows(encoded.warnings, stage, lit.irradiance, workshop.threads, progress);
+        return lit;
+    });
+    if (progress.stopped()) { return cancelled(); }
     auto body = timed(timings.encode, [&]() -> Result<Encoding> {
         if (is_image(format)) {
             return encode_preview(stage, scene, shaded.radiance, request.display, output, format,

@@ -64,7 +64,6 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
                 continue;
             }
             posted.has_mesh_part = posted.has_mesh_part || part.name == "mesh";
-            part.id = sha256(part.data);
             posted.parts.push_back(std::move(part));
         }
         return Received{std::move(posted)};
@@ -177,14 +176,26 @@ bool write(const Encoding& body, httplib::DataSink& sink) noexcept
     }
 }
 
-/// One answer: text at once, so that it can be compressed; files while they are encoded.
-void send(Encoded&& encoded, httplib::Response& response)
+/// One answer: JSON at once, so that it can be compressed; files while they are encoded. Text whose
+/// length nobody knows yet goes in chunks, which HTTP/1.0 has not.
+void send(Encoded&& encoded, const httplib::Request& request, httplib::Response& response)
 {
     if (encoded.media_type == "application/json") {
         response.body = whole(encoded.body);
         response.set_header("Content-Type", encoded.media_type);
         return;
     }
+    if (encoded.body.bytes == 0 && request.version == "HTTP/1.1") {
+        response.set_chunked_content_provider(
+            encoded.media_type,
+            [body = std::move(encoded.body)](std::size_t, httplib::DataSink& sink) {
+                const bool sent = write(body, sink);
+                if (sent) { sink.done(); }
+                return sent;
+            });
+        return;
+    }
+    if (encoded.body.bytes == 0) { encoded.body = sent_whole(whole(encoded.body)); }
     response.set_content_provider(
         encoded.body.bytes, encoded.media_type,
         [body = std::move(encoded.body)](std::size_t, std::size_t, httplib::DataSink& sink) {
@@ -358,6 +369,7 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
         return send_progressively(std::move(job), stages, std::move(*encoded), response, state);
     }
     if (job->request.receipt && purpose == Purpose::Relight) {
+        if (job->format == Format::Json) { encoded->body = sent_whole(whole(encoded->body)); }
         const std::string receipt =
             receipt_json(job->request, job->posted.parts, encoded->units, digest, encoded->body);
         if (job->format == Format::Json) {
@@ -368,7 +380,7 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
             response.set_header("Relight-Receipt", receipt);
         }
     }
-    send(std::move(*encoded), response);
+    send(std::move(*encoded), request, response);
 }
 
 }  // namespace

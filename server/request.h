@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "core/asset.h"
 #include "core/display/display.h"
 #include "core/geometry/surface.h"
 #include "core/io/fields_writer.h"
@@ -20,7 +22,8 @@ struct StoredMesh {
 struct PartMesh {
     std::string part;  ///< name of a file part of the multipart body
 };
-using MeshSource = std::variant<StoredMesh, PartMesh, Mesh>;
+using InlineMesh = std::shared_ptr<const Asset>;  ///< in the request itself
+using MeshSource = std::variant<StoredMesh, PartMesh, InlineMesh>;
 
 enum class Format {
     Ply,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
 /// Inline arrays become a mesh when they fit each other.
-Mesh inline_mesh(Fields& fields, InlineArrays arrays)
+InlineMesh inline_mesh(Fields& fields, InlineArrays arrays)
 {
     for (const std::string_view name : {"positions", "faces", "normals", "colors"}) {
         const Json* json = fields.find(name);
@@ -50,14 +50,15 @@ Mesh inline_mesh(Fields& fields, InlineArrays arrays)
                            std::to_string(count) + " positions, counted from 0",
                        fields.pointer_to("faces") + pointer_step(at / 3) + pointer_step(at % 3)));
     }
-    Mesh mesh;
+    const auto asset = std::make_shared<Asset>();
+    Mesh& mesh = asset->mesh;
     mesh.format = "json";
     mesh.double_positions = float_loses_text(arrays.positions);
     mesh.positions = std::move(arrays.positions);
     mesh.faces.indices = std::move(arrays.faces);
     mesh.normals = std::move(arrays.normals);
     mesh.colors = std::move(arrays.colors);
-    return mesh;
+    return asset;
 }
 
 MeshSource parse_mesh(Fields& root, InlineArrays arrays, bool default_part)

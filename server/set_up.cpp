@@ -61,18 +61,18 @@ Model with_good_tree(const Model& model, double radius_scale, Progress& progress
 {
     Model better = model;
     Stage& stage = better.stage;
-    stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, radius_scale,
+    stage.bvh = std::make_shared<const Bvh>(stage.mesh, stage.surface, radius_scale,
                                             TreeQuality::Good, progress);
     return better;
 }
 
 /// Asset -> (refined) mesh -> surface and acceleration structure, such as this request alone asks
 /// for.
-Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Workshop& workshop,
-                          Timings& timings, Progress& progress)
+Result<Model> build_model(std::shared_ptr<const Asset> asset, const RelightRequest& request,
+                          const Workshop& workshop, Timings& timings, Progress& progress)
 {
     Model model;
-    model.asset = std::make_shared<const Asset>(std::move(asset));
+    model.asset = std::move(asset);
     const Mesh& filed = model.asset->mesh;
     const Points& points = request.points;
     Stage& stage = model.stage;
@@ -97,7 +97,7 @@ Result<Model> build_model(Asset&& asset, const RelightRequest& request, const Wo
             asks_what_is_met(request)
                 ? TreeQuality::Good
                 : tree_for(static_cast<std::uint64_t>(rays), primitives(*stage.surface));
-        stage.bvh = std::make_shared<const Bvh>(*stage.mesh, *stage.surface, points.radius_scale,
+        stage.bvh = std::make_shared<const Bvh>(stage.mesh, stage.surface, points.radius_scale,
                                                 quality, progress);
         if (progress.stopped()) { return cancelled(); }
         return model;
@@ -120,7 +120,8 @@ struct ModelFinder {
                                   progress);
         });
         if (!asset) { return std::move(asset).error(); }
-        return build_model(std::move(*asset), request, workshop, timings, progress);
+        return build_model(std::make_shared<const Asset>(std::move(*asset)), request, workshop,
+                           timings, progress);
     }
 
     /// What a model depends on: the file, how it is read, how its points become a surface, how fine
@@ -173,9 +174,9 @@ struct ModelFinder {
         });
     }
 
-    Result<Model> operator()(const Mesh& mesh) const
+    Result<Model> operator()(const InlineMesh& mesh) const
     {
-        return build_model({mesh, {}, {}}, request, workshop, timings, progress);
+        return build_model(mesh, request, workshop, timings, progress);
     }
 };
 

@@ -63,8 +63,9 @@ Result<Examined> examine_mesh(const Store::Incoming& incoming, const std::string
     const Mesh& mesh = asset->mesh;
     const Surface surface = prepare(mesh, state.options.threads, progress, {false, mesh.viewpoint});
     if (progress.stopped()) { return stopped(); }
-    return Examined{mesh.format,
-                    describe(id, incoming.size(), *asset, surface, inspect(mesh, surface))};
+    const Intake intake = inspect(mesh, surface, progress);
+    if (progress.stopped()) { return stopped(); }
+    return Examined{mesh.format, describe(id, incoming.size(), *asset, surface, intake)};
 }
 
 void upload(const Kind& kind, const httplib::Request& request, httplib::Response& response,

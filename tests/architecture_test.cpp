@@ -37,7 +37,7 @@ const std::map<std::string, Room> table{
      {{"core/base", "core/light", "core/bsdf", "core/texture", "core/geometry", "core",
        "core/trace", "core/transport"},
       {"hwy"}}},
-    {"core/display", {{"core/base"}, {}}},
+    {"core/display", {{"core/base"}, {"hwy"}}},
     {"core/io",
      {{"core/base", "core/light", "core/geometry", "core/display"},
       {"vtk", "EGL", "GL", "zlib", "OpenEXR", "hwy"}}},

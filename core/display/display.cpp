@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
+
+#include "core/display/codes.h"
 
 namespace relight {
 namespace {
@@ -161,57 +159,10 @@ double auto_exposure_ev(std::span<const Rgbf> radiance)
     return std::log2(target / *nth);
 }
 
-namespace {
-
-/// The code of a linear band, by the formula.
 unsigned char code_of(double linear)
 {
     return to_code(srgb_oetf(clamp01(linear)));
 }
-
-/// The same codes without a power: code c begins at the least double that the formula gives c.
-/// Which codes are near, the first bits of the number tell: its exponent and 7 bits behind the
-/// point. Codes begin farther apart than 2^-7 of their value (least, 0.9 %, at white), so one
-/// comparison is left. All in integers, as which doubles above zero are ordered too.
-class CodeTable {
-  public:
-    CodeTable()
-    {
-        std::int64_t begin = darkest;
-        for (std::size_t code = 1; code < 256; ++code) {
-            std::int64_t end = brightest;
-            while (begin < end) {
-                const std::int64_t middle = begin + (end - begin) / 2;
-                const bool there = code_of(std::bit_cast<double>(middle)) >= code;
-                (there ? end : begin) = there ? middle : middle + 1;
-            }
-            begins_[code] = begin;
-        }
-        begins_[256] = std::numeric_limits<std::int64_t>::max();
-        for (std::size_t step = 0; step < first_code_.size(); ++step) {
-            const auto bits = darkest + (static_cast<std::int64_t>(step) << dropped);
-            first_code_[step] = code_of(std::bit_cast<double>(bits));
-        }
-    }
-
-    unsigned char operator()(double linear) const
-    {
-        const auto bits = std::bit_cast<std::int64_t>(linear > 0.0 ? linear : 0.0);  // NaN is dark
-        const std::int64_t step = (std::clamp(bits, darkest, brightest) - darkest) >> dropped;
-        const unsigned code = first_code_[static_cast<std::size_t>(step)];
-        return static_cast<unsigned char>(code + (bits >= begins_[code + 1] ? 1U : 0U));
-    }
-
-  private:
-    static constexpr auto darkest = std::bit_cast<std::int64_t>(0x1p-13);  // code 1: from 1.5e-4
-    static constexpr auto brightest = std::bit_cast<std::int64_t>(1.0);
-    static constexpr unsigned dropped = 52 - 7;
-
-    std::array<std::int64_t, 257> begins_{};
-    std::array<unsigned char, 13 * 128 + 1> first_code_{};  // of each step from darkest on
-};
-
-}  // namespace
 
 Rgb8 to_srgb8(Rgb radiance, const Display& display)
 {
@@ -227,14 +178,18 @@ std::vector<Rgb8> to_srgb8(std::span<const Rgbf> radiance, const Display& displa
     constexpr std::size_t block = 16384;
     const double scale = exposure_scale(display.exposure_ev);
     std::vector<Rgb8> codes(radiance.size());
+    if (display.tone_map == ToneMap::None &&
+        FloatCodeTable::serves(scale)) {  // each band for itself
+        const FloatCodeTable table(code, scale);
+        parallel_for(codes.size(), block, threads, progress,
+                     [&](std::size_t begin, std::size_t end) {
+                         look_up(table.codes(), radiance[begin].data(), 3 * (end - begin),
+                                 codes[begin].data());
+                     });
+        return codes;
+    }
     parallel_for(codes.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (display.tone_map == ToneMap::None) {  // each band for itself
-                for (std::size_t band = 0; band < 3; ++band) {
-                    codes[i][band] = code(static_cast<double>(radiance[i][band]) * scale);
-                }
-                continue;
-            }
             const Rgb shown =
                 tone_map(to_double(radiance[i]) * scale, display.tone_map, display.white);
             codes[i] = {code(shown.r), code(shown.g), code(shown.b)};

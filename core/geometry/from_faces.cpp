@@ -17,6 +17,8 @@ static_assert(VertexRanges::block == TriangleBatch::size);
 /// on one side or a scan with holes keeps most of it, a sheet has none.
 constexpr double least_enclosed = 0.01;
 
+constexpr std::size_t taken_at_once = 32'768;  // vertices
+
 struct OfBlock {
     std::uint64_t degenerate = 0;
     double volume6 = 0.0, area2 = 0.0;
@@ -106,7 +108,10 @@ OfFaces sum_faces(std::span<const Point3> positions, std::span<const Triangle> t
                 }
             }
         }
-        take(range.begin, sums);
+        for (std::size_t v = 0; v < range.size() && !progress.stopped(); v += taken_at_once) {
+            take(range.begin + v,
+                 std::span(sums).subspan(v, std::min(taken_at_once, range.size() - v)));
+        }
         spare.give_back(std::move(sums));
     });
     OfBlock sum;

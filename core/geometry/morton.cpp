@@ -45,7 +45,10 @@ struct Sorting {
     Bounds box_of(std::span<const Item> items) const
     {
         Bounds box{points[index_of(items[0])], points[index_of(items[0])]};
-        for (const Item item : items) { box.add(points[index_of(item)]); }
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            if (i % block == 0 && progress.stopped()) { break; }
+            box.add(points[index_of(items[i])]);
+        }
         return box;
     }
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr unsigned digit_bits = 10;  // three passes; eight bits take four, and longer
 constexpr std::size_t digits = std::size_t{1} << digit_bits;
-constexpr std::size_t block = 65'536;  // 0.3 ms
+constexpr std::size_t least_block = 65'536;  // 0.3 ms
+constexpr std::size_t most_blocks = 1024;    // each has its own counts: 8 kB
 
 /// One pass of a radix sort, of the digit that begins at `bit`.
 void sort_by_digit(unsigned bit, std::span<const std::uint64_t> from, std::span<std::uint64_t> to,
@@ -19,6 +20,7 @@ void sort_by_digit(unsigned bit, std::span<const std::uint64_t> from, std::span<
     const auto digit_of = [bit](std::uint64_t item) {
         return static_cast<std::size_t>(item >> bit) % digits;
     };
+    const std::size_t block = std::max(least_block, from.size() / most_blocks + 1);
     std::vector<std::array<std::size_t, digits>> places((from.size() + block - 1) / block);
     parallel_for(from.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         auto& counts = places[begin / block];

@@ -10,6 +10,8 @@
 #include <string>
 #include <tuple>
 
+#include "core/geometry/copied.h"
+#include "core/geometry/filled.h"
 #include "core/geometry/polygon.h"
 
 namespace relight {
@@ -73,11 +75,15 @@ void append_middle(Mesh& mesh, std::uint32_t a, std::uint32_t b)
 /// The mesh with its polygons in triangles, as prepare() splits them.
 Mesh triangulated(const Mesh& mesh, const Progress& progress)
 {
-    Mesh out = mesh;
-    if (mesh.faces.offsets.empty()) { return out; }
-    out.faces = {};
-    out.corner_uvs.clear();
-    out.face_materials.clear();
+    Mesh out = copied_without_faces(mesh, progress);
+    if (mesh.faces.offsets.empty()) {
+        copy_faces(mesh, out, progress);
+        return out;
+    }
+    const std::size_t faces = mesh.faces.indices.size() - 2 * mesh.faces.count();
+    out.faces.indices.reserve(3 * faces);
+    out.corner_uvs.reserve(mesh.corner_uvs.empty() ? 0 : 3 * faces);
+    out.face_materials.reserve(mesh.face_materials.empty() ? 0 : faces);
     std::vector<Point3> polygon;
     std::vector<unsigned> corners;  // 0, 1, 2 … of the polygon: tell apart those of one vertex
     std::vector<Triangle> triangles;
@@ -133,13 +139,20 @@ struct LongEdge {
 std::vector<LongEdge> long_edges(const Mesh& mesh, double max_edge, const Progress& progress)
 {
     const std::vector<std::uint32_t>& indices = mesh.faces.indices;
+    const auto each = [&](const auto& take) {
+        for (std::size_t c = 0; c < indices.size(); ++c) {
+            if (c % block == 0) { look(progress); }
+            if (edge_length(mesh, c) > max_edge) { take(c); }
+        }
+    };
+    std::size_t count = 0;
+    each([&](std::size_t /*corner*/) { ++count; });
     std::vector<LongEdge> edges;
-    for (std::size_t c = 0; c < indices.size(); ++c) {
-        if (c % block == 0) { look(progress); }
-        if (!(edge_length(mesh, c) > max_edge)) { continue; }
+    edges.reserve(count);
+    each([&](std::size_t c) {
         const auto [a, b] = std::minmax(indices[c], indices[next(c)]);
         edges.push_back({a, b, static_cast<std::uint32_t>(c)});
-    }
+    });
     std::sort(edges.begin(), edges.end(), [&](const LongEdge& x, const LongEdge& y) {
         look(progress);
         return std::tie(x.a, x.b, x.corner) < std::tie(y.a, y.b, y.corner);
@@ -196,7 +209,7 @@ void halve(Mesh& mesh, const std::vector<LongEdge>& edges, const Progress& progr
     mesh.corner_uvs.clear();
     mesh.face_materials.clear();
 
-    std::vector<std::uint32_t> middles(before.indices.size(), none);  // by corner
+    auto middles = filled(before.indices.size(), progress, none);  // by corner
     for (std::size_t e = 0; e < edges.size(); ++e) {
         if (e % block == 0) { look(progress); }
         if (e == 0 || !edges[e].same_as(edges[e - 1])) {
@@ -288,12 +301,17 @@ Result<Mesh> refined(const Mesh& mesh, double max_edge, std::uint64_t most_verti
     most_vertices = std::min<std::uint64_t>(most_vertices, none);
     most_faces = std::min<std::uint64_t>(most_faces, none / 3);
     Mesh out = triangulated(mesh, progress);
+    look(progress);
     double longest = 0.0;
     for (std::size_t c = 0; c < out.faces.indices.size(); ++c) {
         if (c % block == 0) { look(progress); }
         longest = std::max(longest, edge_length(out, c));
     }
-    if (!(longest > max_edge)) { return mesh; }
+    if (!(longest > max_edge)) {
+        copy_faces(mesh, out, progress);  // its polygons again
+        look(progress);
+        return out;
+    }
     out.pieces.clear();  // new vertices belong to none
     if (auto error = too_many(Fault::TooManyFaces, least_faces(out, max_edge, progress), "faces",
                               most_faces, max_edge)) {
@@ -307,6 +325,7 @@ Result<Mesh> refined(const Mesh& mesh, double max_edge, std::uint64_t most_verti
         if (edges.empty()) { break; }
         std::uint64_t middles = 1;
         for (std::size_t e = 1; e < edges.size(); ++e) {
+            if (e % block == 0) { look(progress); }
             middles += edges[e].same_as(edges[e - 1]) ? 0 : 1;
         }
         if (auto error = too_many(Fault::TooManyVertices, out.positions.size() + middles,
@@ -317,6 +336,8 @@ Result<Mesh> refined(const Mesh& mesh, double max_edge, std::uint64_t most_verti
                                   most_faces, max_edge)) {
             return std::move(*error);
         }
+        reserve_vertices(out, out.positions.size() + middles, progress);
+        look(progress);
         halve(out, edges, progress);
     }
     out.notes.push_back("refined: edges longer than " + shown(max_edge) + " were halved in " +

@@ -200,6 +200,7 @@ Surface prepare(const Mesh& mesh, unsigned threads, Progress& progress,
         surface.bend = filled<float>(count, progress);
         points.put(bend, surface.bend, threads, progress);
     }
+    surface.ordered = vertex_fields(mesh, surface, surface.order, threads, progress);
     return surface;
 }
 

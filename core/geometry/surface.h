@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/base/result.h"
 #include "core/geometry/mesh.h"
+#include "core/geometry/vertex_fields.h"
 
 namespace relight {
 
@@ -72,6 +73,7 @@ struct Surface {
     /// V: every vertex once, along a Morton curve (morton.h): near in space, near in the order.
     /// Work that looks around each vertex goes in this order, whatever the file's.
     std::vector<std::uint32_t> order;
+    VertexFields ordered;  ///< in that order
     Bounds bounds;
     double quantum = 0.0;  ///< coarsest step of the coordinates as filed, scene units
     Intake intake;
@@ -83,6 +85,8 @@ Frame shading_frame(const Surface& surface, std::size_t vertex);
 /// The whole report: what prepare() counted, and the topology of the faces as filed (duplicate
 /// faces; non-manifold, boundary and inconsistently wound edges), by OpenMesh's half-edge
 /// structure. Costs more than prepare(): asked for once, when a mesh is stored.
+/// @param progress of no use once it is stopped
+Intake inspect(const Mesh& mesh, const Surface& surface, Progress& progress);
 Intake inspect(const Mesh& mesh, const Surface& surface);
 
 /// How the normals of a cloud come about.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <unordered_set>
 
-#include "core/io/srgb_codes.h"
 #include "core/io/utf8.h"
 
 namespace relight::glb {
@@ -44,15 +43,9 @@ std::vector<Quantity3> attributes_of(std::span<const Quantity3> quantities)
     return named;
 }
 
-std::vector<float> linear_colors(std::span<const Rgb8> codes)
+Piece padding_behind(std::uint64_t bytes)
 {
-    const std::vector<float> table = decoded_srgb(255);
-    std::vector<float> linear;
-    linear.reserve(3 * codes.size());
-    for (const Rgb8& code : codes) {
-        for (const unsigned char band : code) { linear.push_back(table[band]); }
-    }
-    return linear;
+    return text_piece(std::string((4 - bytes % 4) % 4, '\0'));
 }
 
 std::string quoted(std::string_view text)
@@ -88,7 +81,6 @@ std::string begun(std::string_view json, std::uint64_t binary, std::uint64_t mor
                                 (binary > 0 ? chunk_head + binary : 0) + more;
     if (total > std::numeric_limits<std::uint32_t>::max()) { return {}; }
     std::string out;
-    out.reserve(total);
     out += "glTF";
     append_u32(out, 2);  // version
     append_u32(out, total);

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/io/pieces.h"
+#include "core/io/srgb_codes.h"
 #include "core/io/writers.h"
 
 /// What every GLB of ours has in common, whether it is written from a mesh or added to a file.
@@ -23,8 +25,23 @@ std::string_view type_name(int components);
 /// _PER_LIGHT_KEY, in [A-Z0-9_] and each once.
 std::vector<Quantity3> attributes_of(std::span<const Quantity3> quantities);
 
-/// COLOR_0 of 8-bit sRGB codes: linear, as glTF has it. 3 floats a colour.
-std::vector<float> linear_colors(std::span<const Rgb8> codes);
+/// COLOR_0 of 8-bit sRGB codes: linear, as glTF has it.
+class LinearColors {
+  public:
+    explicit LinearColors(std::span<const Rgb8> codes) : codes_(codes), table_(decoded_srgb(255)) {}
+    Rgbf operator()(std::size_t i) const
+    {
+        const Rgb8& code = codes_[i];
+        return {table_[code[0]], table_[code[1]], table_[code[2]]};
+    }
+
+  private:
+    std::span<const Rgb8> codes_;
+    std::vector<float> table_;
+};
+
+/// Zeros up to the next multiple of 4.
+Piece padding_behind(std::uint64_t bytes);
 
 /// A JSON string. What is not UTF-8 is taken for Latin-1.
 std::string quoted(std::string_view text);
@@ -32,9 +49,9 @@ std::string quoted(std::string_view text);
 /// The shortest decimal that reads back exactly. `value` is finite.
 std::string decimal(double value);
 
-/// A GLB up to its binary chunk's data: the caller appends `binary` bytes (a multiple of 4; 0:
-/// there is no such chunk), and other chunks of `more` bytes. Capacity for all of it is reserved.
-/// Empty if a GLB cannot hold as much: its lengths are 32-bit numbers.
+/// A GLB up to its binary chunk's data: `binary` bytes (a multiple of 4; 0: there is no such chunk)
+/// come behind it, and other chunks of `more` bytes. Empty if a GLB cannot hold as much: its
+/// lengths are 32-bit numbers.
 std::string begun(std::string_view json, std::uint64_t binary, std::uint64_t more = 0);
 
 }  // namespace relight::glb

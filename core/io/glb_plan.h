@@ -2,8 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,66 +13,45 @@ namespace relight::glb {
 /// The file's JSON and its buffer, laid out before a byte of the buffer is written.
 class Plan {
   public:
-    /// An accessor with a view of its own. `fill` writes its count * components numbers; `more` is
-    /// the rest of its JSON. Returns its index.
+    /// An accessor with a view of its own: `array` is its count * components numbers, `more` the
+    /// rest of its JSON. Returns its index.
     std::size_t add(Target target, ComponentType type, int components, std::size_t count,
-                    std::function<void(char*)> fill, const std::string& more = {})
+                    Piece array, const std::string& more = {})
     {
-        const std::uint64_t bytes =
-            count * static_cast<std::uint64_t>(components) * (type == u16 ? 2 : 4);
-        if (!blocks_.empty()) {
+        if (accessors_count_ > 0) {
             views_ += ',';
             accessors_ += ',';
         }
         views_ += R"({"buffer":0,"byteOffset":)" + std::to_string(size_) + R"(,"byteLength":)" +
-                  std::to_string(bytes) + R"(,"target":)" + std::to_string(target) + '}';
-        accessors_ += R"({"bufferView":)" + std::to_string(blocks_.size()) +
+                  std::to_string(array.bytes) + R"(,"target":)" + std::to_string(target) + '}';
+        accessors_ += R"({"bufferView":)" + std::to_string(accessors_count_) +
                       R"(,"componentType":)" + std::to_string(type) + R"(,"count":)" +
                       std::to_string(count) + R"(,"type":")" + std::string(type_name(components)) +
                       '"' + more + '}';
-        const std::uint64_t padded = (bytes + 3) / 4 * 4;
-        size_ += padded;
-        blocks_.push_back({padded, std::move(fill)});
-        return blocks_.size() - 1;
+        Piece padding = padding_behind(array.bytes);
+        size_ += array.bytes + padding.bytes;
+        pieces_.push_back(std::move(array));
+        pieces_.push_back(std::move(padding));
+        return accessors_count_++;
     }
 
-    /// The GLB with this JSON beside the buffer's; empty if it would be too large for one.
-    std::string written(const std::string& json) const
+    /// The GLB with this JSON beside the buffer's; no bytes if it would be too large for one.
+    Encoding encoded(const std::string& json) &&
     {
-        std::string out =
+        std::string head =
             begun(json + R"(,"accessors":[)" + accessors_ + R"(],"bufferViews":[)" + views_ +
                       R"(],"buffers":[{"byteLength":)" + std::to_string(size_) + "}]}",
                   size_);
-        if (out.empty()) { return out; }
-        for (const Block& block : blocks_) {
-            const std::size_t at = out.size();
-            out.resize(at + block.bytes);  // zero: the padding
-            block.fill(out.data() + at);
-        }
-        return out;
+        if (head.empty()) { return {}; }
+        pieces_.insert(pieces_.begin(), text_piece(std::move(head)));
+        return joined(std::move(pieces_));
     }
 
   private:
-    struct Block {
-        std::uint64_t bytes;
-        std::function<void(char*)> fill;
-    };
     std::string views_, accessors_;
-    std::vector<Block> blocks_;
+    std::size_t accessors_count_ = 0;
+    std::vector<Piece> pieces_;
     std::uint64_t size_ = 0;
 };
-
-/// A `fill` of value(i), an array of numbers each.
-template <class Value>
-std::function<void(char*)> each(std::size_t count, Value value)
-{
-    return [count, value = std::move(value)](char* out) {
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto numbers = value(i);
-            std::memcpy(out, &numbers, sizeof(numbers));
-            out += sizeof(numbers);
-        }
-    };
-}
 
 }  // namespace relight::glb

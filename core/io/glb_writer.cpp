@@ -67,7 +67,7 @@ Vec3 add_positions(Plan& plan, const Mesh& mesh)
         const Rgb wide = to_double(f);
         return json_of({wide.r, wide.g, wide.b});
     };
-    plan.add(vertex_data, f32, 3, places.size(), each(places.size(), filed),
+    plan.add(vertex_data, f32, 3, places.size(), rows_piece(places.size(), filed),
              R"(,"min":)" + json_of_floats(low) + R"(,"max":)" + json_of_floats(high));
     return origin - Point3{};
 }
@@ -76,8 +76,8 @@ Vec3 add_positions(Plan& plan, const Mesh& mesh)
 void add_normals(Plan& plan, const LitMesh& lit, std::vector<std::string>& notes)
 {
     const std::size_t count = lit.mesh.positions.size();
-    const auto normal = [&lit](std::size_t i) {
-        return lit.normals.empty() ? normalize(lit.mesh.normals[i]) : lit.normals[i];
+    const auto normal = [own = lit.normals, &mesh = lit.mesh](std::size_t i) {
+        return own.empty() ? normalize(mesh.normals[i]) : own[i];
     };
     std::size_t missing = 0;
     for (std::size_t i = 0; i < count; ++i) { missing += normal(i) ? 0 : 1; }
@@ -85,7 +85,7 @@ void add_normals(Plan& plan, const LitMesh& lit, std::vector<std::string>& notes
         notes.push_back("the NORMAL of " + std::to_string(missing) +
                         " vertices that have none is (0, 0, 1)");
     }
-    plan.add(vertex_data, f32, 3, count, each(count, [normal](std::size_t i) {
+    plan.add(vertex_data, f32, 3, count, rows_piece(count, [normal](std::size_t i) {
                  const Dir3 n = normal(i);
                  return n ? as_floats(n) : std::array{0.0F, 0.0F, 1.0F};
              }));
@@ -96,27 +96,26 @@ void add_colors(Plan& plan, const LitMesh& lit)
 {
     const Mesh& mesh = lit.mesh;
     const std::size_t count = mesh.positions.size();
-    std::vector<Rgbf> linear = mesh.colors;
-    for (Rgbf& color : linear) {  // glTF ends at 1
-        for (float& band : color) { band = std::clamp(band, 0.0F, 1.0F); }
-    }
+    const auto add = [&](auto linear) {
+        if (mesh.absent.empty()) {
+            return plan.add(vertex_data, f32, 3, count, rows_piece(count, std::move(linear)));
+        }
+        const auto with_alpha = [&mesh, linear = std::move(linear)](std::size_t i) {
+            const Rgbf color = linear(i);
+            const bool absent = std::binary_search(mesh.absent.begin(), mesh.absent.end(), i);
+            return std::array{color[0], color[1], color[2], absent ? 0.0F : 1.0F};
+        };
+        return plan.add(vertex_data, f32, 4, count, rows_piece(count, with_alpha));
+    };
     if (!lit.color.empty()) {
-        const std::vector<float> bands = linear_colors(lit.color);
-        linear.resize(count);
-        std::memcpy(linear.data(), bands.data(), bands.size() * sizeof(float));
+        add(LinearColors(lit.color));
+    } else {
+        add([&mesh](std::size_t i) {
+            Rgbf color = mesh.colors[i];  // glTF ends at 1
+            for (float& band : color) { band = std::clamp(band, 0.0F, 1.0F); }
+            return color;
+        });
     }
-    if (mesh.absent.empty()) {
-        plan.add(vertex_data, f32, 3, count,
-                 each(count, [linear = std::move(linear)](std::size_t i) { return linear[i]; }));
-        return;
-    }
-    std::vector<std::array<float, 4>> with_alpha(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        with_alpha[i] = {linear[i][0], linear[i][1], linear[i][2], 1.0F};
-    }
-    for (const std::uint32_t i : mesh.absent) { with_alpha[i][3] = 0.0F; }
-    plan.add(vertex_data, f32, 4, count,
-             each(count, [all = std::move(with_alpha)](std::size_t i) { return all[i]; }));
 }
 
 /// Adds all attributes; the JSON object that names them.
@@ -140,7 +139,7 @@ std::string add_attributes(Plan& plan, const LitMesh& lit, Vec3& translation,
     int set = 0;
     for (const std::vector<Uv>* uvs : {&mesh.uvs, &mesh.uvs_1}) {
         if (uvs->empty()) { continue; }
-        plan.add(vertex_data, f32, 2, count, each(count, [uvs, down](std::size_t i) {
+        plan.add(vertex_data, f32, 2, count, rows_piece(count, [uvs, down](std::size_t i) {
                      return down ? (*uvs)[i] : Uv{(*uvs)[i][0], 1.0F - (*uvs)[i][1]};
                  }));
         name("TEXCOORD_" + std::to_string(set++));
@@ -155,9 +154,7 @@ std::string add_attributes(Plan& plan, const LitMesh& lit, Vec3& translation,
         name("COLOR_0");
     }
     for (const Quantity3& q : attributes_of(lit.quantities)) {
-        plan.add(vertex_data, f32, q.components, count, [values = q.values](char* out) {
-            std::memcpy(out, values.data(), values.size_bytes());
-        });
+        plan.add(vertex_data, f32, q.components, count, span_piece(q.values));
         name(q.name);
     }
     return names + '}';
@@ -180,18 +177,22 @@ std::vector<std::vector<std::uint32_t>> triangles_by_material(const Mesh& mesh)
     return groups;
 }
 
-std::size_t add_indices(Plan& plan, std::vector<std::uint32_t> corners, std::size_t vertices)
+/// `corners`: an array, or a span of one that stays.
+template <class Corners>
+std::size_t add_indices(Plan& plan, Corners corners, std::size_t vertices)
 {
     const std::size_t count = corners.size();
     if (vertices <= 0xFFFF) {  // 0xFFFF itself is no index: it restarts a strip
         return plan.add(index_data, u16, 1, count,
-                        each(count, [all = std::move(corners)](std::size_t i) {
-                            return static_cast<std::uint16_t>(all[i]);
+                        rows_piece(count, [all = std::move(corners)](std::size_t i) {
+                            return std::array{static_cast<std::uint16_t>(all[i])};
                         }));
     }
-    return plan.add(index_data, u32, 1, count, [all = std::move(corners)](char* out) {
-        std::memcpy(out, all.data(), all.size() * sizeof(std::uint32_t));
-    });
+    const std::uint64_t bytes = count * sizeof(std::uint32_t);
+    return plan.add(index_data, u32, 1, count,
+                    {bytes, [all = std::move(corners)](BlockOut& out) {
+                         span_piece(std::span<const std::uint32_t>(all)).write(out);
+                     }});
 }
 
 /// One material each of the mesh's, or the one: the colours as they are, from both sides.
@@ -211,7 +212,7 @@ std::string materials_of(const Mesh& mesh)
 }  // namespace
 }  // namespace glb
 
-std::string write_glb(const LitMesh& lit)
+Encoding encode_glb(const LitMesh& lit)
 {
     const Mesh& mesh = lit.mesh;
     glb::Plan plan;
@@ -220,17 +221,21 @@ std::string write_glb(const LitMesh& lit)
     const std::string attributes = glb::add_attributes(plan, lit, translation, notes);
 
     std::string primitives;
-    if (mesh.faces.count() == 0) {
-        primitives = R"({"attributes":)" + attributes + R"(,"material":0,"mode":0})";
-    }
-    auto groups = glb::triangles_by_material(mesh);
-    for (std::size_t m = 0; m < groups.size(); ++m) {
-        if (groups[m].empty()) { continue; }
+    const auto add_triangles = [&](std::size_t material, auto corners) {
+        if (corners.empty()) { return; }
         const std::size_t indices =
-            glb::add_indices(plan, std::move(groups[m]), mesh.positions.size());
+            glb::add_indices(plan, std::move(corners), mesh.positions.size());
         primitives += (primitives.empty() ? "{" : ",{") + (R"("attributes":)" + attributes) +
                       R"(,"indices":)" + std::to_string(indices) + R"(,"material":)" +
-                      std::to_string(m) + '}';
+                      std::to_string(material) + '}';
+    };
+    if (mesh.faces.count() == 0) {
+        primitives = R"({"attributes":)" + attributes + R"(,"material":0,"mode":0})";
+    } else if (mesh.faces.offsets.empty() && mesh.materials.size() <= 1) {
+        add_triangles(0, std::span(mesh.faces.indices));
+    } else {
+        auto groups = glb::triangles_by_material(mesh);
+        for (std::size_t m = 0; m < groups.size(); ++m) { add_triangles(m, std::move(groups[m])); }
     }
     std::string extras;
     for (const std::string& note : notes) {
@@ -239,11 +244,11 @@ std::string write_glb(const LitMesh& lit)
     if (!extras.empty()) { extras = R"(,"extras":{"relight":[)" + extras + "]}"; }
     const std::string moved =
         translation == Vec3{} ? "" : R"(,"translation":)" + glb::json_of(translation);
-    return plan.written(R"({"asset":{"version":"2.0","generator":"Relight")" + extras +
-                        R"(},"extensionsUsed":["KHR_materials_unlit"],"scene":0,)" +
-                        R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + moved +
-                        R"(}],"meshes":[{"primitives":[)" + primitives + R"(]}],"materials":[)" +
-                        glb::materials_of(mesh) + "]");
+    return std::move(plan).encoded(R"({"asset":{"version":"2.0","generator":"Relight")" + extras +
+                                   R"(},"extensionsUsed":["KHR_materials_unlit"],"scene":0,)" +
+                                   R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + moved +
+                                   R"(}],"meshes":[{"primitives":[)" + primitives +
+                                   R"(]}],"materials":[)" + glb::materials_of(mesh) + "]");
 }
 
 }  // namespace relight

@@ -1,7 +1,9 @@
 #include <cassert>
+#include <cstring>
 #include <string>
 
 #include "core/io/las_header.h"
+#include "core/io/pieces.h"
 #include "core/io/writers.h"
 
 namespace relight {
@@ -31,7 +33,7 @@ void shift(std::string& file, std::size_t at, std::size_t end, std::size_t by)
 
 }  // namespace
 
-Result<std::string> write_las(std::span<const std::byte> file, std::span<const Rgb8> color)
+Result<Encoding> encode_las(std::span<const std::byte> file, std::span<const Rgb8> color)
 {
     const Result<LasHeader> header = read_las_header(file);
     if (!header) { return header.error(); }
@@ -47,32 +49,33 @@ Result<std::string> write_las(std::span<const std::byte> file, std::span<const R
                      {},
                      las::record_length};
     }
-    const auto text = [&](std::size_t from, std::size_t size) {
-        return std::string_view(reinterpret_cast<const char*>(file.data()) + from, size);
-    };
-    std::string out;
-    out.reserve(file.size() + header->count * grown);
-    out = text(0, header->points);
+    std::string head(reinterpret_cast<const char*>(file.data()), header->points);
     // Formats with R G B came with version 1.2, whose header is laid out as those before.
-    if (header->minor < 2) { out[las::minor_version] = 2; }
-    put(out, las::point_format, static_cast<unsigned char>(format));
-    put(out, las::record_length, static_cast<std::uint16_t>(header->length + grown));
-    if (header->minor >= 3) { shift(out, las::waveforms, header->end(), header->count * grown); }
+    if (header->minor < 2) { head[las::minor_version] = 2; }
+    put(head, las::point_format, static_cast<unsigned char>(format));
+    put(head, las::record_length, static_cast<std::uint16_t>(header->length + grown));
+    if (header->minor >= 3) { shift(head, las::waveforms, header->end(), header->count * grown); }
     if (header->minor >= 4) {
-        shift(out, las::extended_records, header->end(), header->count * grown);
+        shift(head, las::extended_records, header->end(), header->count * grown);
     }
-    for (std::size_t i = 0; i < header->count; ++i) {
-        const std::size_t record = header->points + i * header->length;
-        const std::size_t to = out.size();
-        out += text(record, rgb);
-        out.append(grown, '\0');  // R G B, and a near infrared of 0 where the format has one
-        out += text(record + rgb, header->length - rgb);
-        for (std::size_t band = 0; band < 3; ++band) {
-            put(out, to + rgb + 2 * band, static_cast<std::uint16_t>(color[i][band] * 257));
+    const auto write_points = [file, color, rgb, grown, points = header->points,
+                               length = header->length](BlockOut& out) {
+        const std::byte* record = file.data() + points;
+        for (std::size_t i = 0; i < color.size() && out.open(); ++i, record += length) {
+            char* const to = out.room(length + grown);
+            std::memcpy(to, record, rgb);
+            // R G B, and a near infrared of 0 where the format has one
+            std::memset(to + rgb, 0, grown);
+            std::memcpy(to + rgb + grown, record + rgb, length - rgb);
+            for (std::size_t band = 0; band < 3; ++band) {
+                const auto code = static_cast<std::uint16_t>(color[i][band] * 257);
+                std::memcpy(to + rgb + 2 * band, &code, sizeof(code));
+            }
         }
-    }
-    out += text(header->end(), file.size() - header->end());
-    return out;
+    };
+    return joined({text_piece(std::move(head)),
+                   {std::uint64_t{header->count} * (header->length + grown), write_points},
+                   span_piece(file.subspan(header->end()))});
 }
 
 }  // namespace relight

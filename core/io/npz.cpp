@@ -21,14 +21,8 @@ struct Array {
     std::string_view type;  // NumPy's: "<f4"
     std::size_t rows{};
     std::size_t columns{};  // 0: one-dimensional
-    std::string_view bytes;
+    Piece data;
 };
-
-template <class T>
-std::string_view bytes_of(std::span<const T> values)
-{
-    return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
-}
 
 /// The head of a .npy file, version 1.0: padded so that the data starts at a multiple of 64.
 std::string npy_head(const Array& array)
@@ -48,14 +42,14 @@ std::string npy_head(const Array& array)
     return head + dict;
 }
 
-/// The positions with NaN for absent points; empty if there are none such.
-std::vector<Point3> with_absent(const Mesh& mesh)
+/// The positions, with NaN for absent points.
+Piece positions_of(const Mesh& mesh)
 {
-    std::vector<Point3> out;
-    for (std::size_t i = 0; !mesh.absent.empty() && i < mesh.positions.size(); ++i) {
-        out.push_back(filed_position(mesh, i));
-    }
-    return out;
+    if (mesh.absent.empty()) { return span_piece(std::span(mesh.positions)); }
+    return rows_piece(mesh.positions.size(), [&mesh](std::size_t i) {
+        const Point3 p = filed_position(mesh, i);
+        return std::array{p.x, p.y, p.z};
+    });
 }
 
 /// A name that is one file wherever an archive is unpacked.
@@ -71,60 +65,55 @@ std::string file_name(std::string_view name, std::unordered_set<std::string>& ta
     return safe;
 }
 
-std::vector<std::array<float, 3>> as_floats(std::span<const Dir3> normals)
+Piece floats_of(std::span<const Dir3> normals)
 {
-    std::vector<std::array<float, 3>> out;
-    out.reserve(normals.size());
-    for (const Dir3& n : normals) { out.push_back(to_float({n.x(), n.y(), n.z()})); }
-    return out;
+    return rows_piece(normals.size(), [normals](std::size_t i) {
+        const Dir3& n = normals[i];
+        return to_float({n.x(), n.y(), n.z()});
+    });
 }
 
 }  // namespace
 
-std::string write_npz(const LitMesh& lit)
+Encoding encode_npz(const LitMesh& lit)
 {
     const Mesh& mesh = lit.mesh;
     const std::size_t vertices = mesh.positions.size();
-    const std::vector<std::array<float, 3>> normals = as_floats(lit.normals);
-    const std::vector<Point3> filed = with_absent(mesh);
-    const std::span positions(filed.empty() ? mesh.positions : filed);
-    const std::vector<std::uint32_t>& indices = mesh.faces.indices;
+    const std::span indices(mesh.faces.indices), offsets(mesh.faces.offsets);
 
     std::vector<Array> arrays;
-    arrays.push_back({"positions", "<f8", vertices, 3, bytes_of(positions)});
-    if (mesh.faces.offsets.empty()) {
-        arrays.push_back({"faces", "<i4", mesh.faces.count(), 3, bytes_of(std::span(indices))});
+    arrays.push_back({"positions", "<f8", vertices, 3, positions_of(mesh)});
+    if (offsets.empty()) {
+        arrays.push_back({"faces", "<i4", mesh.faces.count(), 3, span_piece(indices)});
     } else {
-        const std::vector<std::uint32_t>& offsets = mesh.faces.offsets;
-        arrays.push_back({"faces", "<i4", indices.size(), 0, bytes_of(std::span(indices))});
-        arrays.push_back({"face_offsets", "<i4", offsets.size(), 0, bytes_of(std::span(offsets))});
+        arrays.push_back({"faces", "<i4", indices.size(), 0, span_piece(indices)});
+        arrays.push_back({"face_offsets", "<i4", offsets.size(), 0, span_piece(offsets)});
     }
-    if (!normals.empty()) {
-        arrays.push_back({"normal", "<f4", vertices, 3, bytes_of(std::span(normals))});
+    if (!lit.normals.empty()) {
+        arrays.push_back({"normal", "<f4", vertices, 3, floats_of(lit.normals)});
     }
     if (!lit.color.empty()) {
-        arrays.push_back({"color", "|u1", vertices, 3, bytes_of(lit.color)});
+        arrays.push_back({"color", "|u1", vertices, 3, span_piece(lit.color)});
     }
     std::unordered_set<std::string> taken;
     for (const Array& array : arrays) { taken.insert(array.name); }
     for (const Quantity3& q : lit.quantities) {
         const std::size_t columns = q.components == 1 ? 0 : static_cast<std::size_t>(q.components);
-        arrays.push_back({file_name(q.name, taken), "<f4", vertices, columns, bytes_of(q.values)});
+        arrays.push_back(
+            {file_name(q.name, taken), "<f4", vertices, columns, span_piece(q.values)});
     }
 
-    std::size_t expected = 1024;
-    for (const Array& array : arrays) {
-        expected += array.bytes.size() + 2 * array.name.size() + 512;
-    }
-    ZipWriter zip(expected);
-    for (const Array& array : arrays) {
+    std::vector<ZipFile> files;
+    for (Array& array : arrays) {
         const std::string head = npy_head(array);
-        zip.open(array.name + ".npy", head.size() + array.bytes.size());
-        zip.bytes() += head;
-        zip.bytes() += array.bytes;
-        zip.close();
+        files.push_back(
+            {array.name + ".npy",
+             {head.size() + array.data.bytes, [head, data = std::move(array.data)](BlockOut& out) {
+                  out.bytes(head);
+                  data.write(out);
+              }}});
     }
-    return std::move(zip).finish();
+    return encode_zip(std::move(files));
 }
 
 }  // namespace relight

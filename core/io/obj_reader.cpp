@@ -90,6 +90,8 @@ class ObjReader {
     }
 
   private:
+    using Counts = std::array<std::size_t, 3>;  // of v, vt and vn lines
+
     /// Highest positive index named before its element was filed, and where.
     struct Ahead {
         std::uint64_t index = 0;
@@ -185,17 +187,13 @@ class ObjReader {
                              " lines so far; indices count from 1, or from -1 backwards");
         }
         const auto found = static_cast<std::uint32_t>(i);
-        if (found >= filed && (ahead_[kind].line == 0 || found > ahead_[kind].index)) {
-            ahead_[kind] = {found, words_.line()};
-        }
+        look_ahead(found, filed, kind);
         return found;
     }
 
     /// Adds one corner: v, v/vt, v//vn or v/vt/vn; "v/" and "v//" name nothing more than v.
-    Failure corner(std::string_view text)
+    Failure corner(std::string_view text, const Counts& filed)
     {
-        const std::array<std::size_t, 3> filed{mesh_.positions.size(), corners_.uvs.size(),
-                                               corners_.normals.size()};
         std::array<std::uint32_t, 3> found{none, none, none};
         std::size_t kind = 0;
         for (std::string_view left = text;; ++kind) {
@@ -212,17 +210,48 @@ class ObjReader {
             if (slash == left.size()) { break; }
             left.remove_prefix(slash + 1);
         }
+        add(found);
+        return {};
+    }
+
+    /// Adds one corner of numbers that count from 1; 0 names nothing.
+    void plain_corner(const std::array<std::uint32_t, 3>& numbers, const Counts& filed)
+    {
+        std::array<std::uint32_t, 3> found{none, none, none};
+        for (std::size_t kind = 0; kind < 3; ++kind) {
+            if (numbers[kind] == 0) { continue; }
+            found[kind] = numbers[kind] - 1;
+            look_ahead(found[kind], filed[kind], kind);
+        }
+        add(found);
+    }
+
+    Counts so_far() const
+    {
+        return {mesh_.positions.size(), corners_.uvs.size(), corners_.normals.size()};
+    }
+
+    void look_ahead(std::uint32_t found, std::size_t filed, std::size_t kind)
+    {
+        if (found >= filed && (ahead_[kind].line == 0 || found > ahead_[kind].index)) {
+            ahead_[kind] = {found, words_.line()};
+        }
+    }
+
+    void add(const std::array<std::uint32_t, 3>& found)
+    {
         add(corners_.uv_of, found[1]);
         add(corners_.normal_of, found[2]);
         mesh_.faces.indices.push_back(found[0]);
-        return {};
     }
 
     /// Arrays that no corner has needed so far stay empty.
     void add(std::vector<std::uint32_t>& named, std::uint32_t found) const
     {
         if (named.empty() && found == none) { return; }
-        named.resize(mesh_.faces.indices.size(), none);
+        if (named.size() < mesh_.faces.indices.size()) {  // the first corner that names one
+            named.resize(mesh_.faces.indices.size(), none);
+        }
         named.push_back(found);
     }
 
@@ -230,8 +259,16 @@ class ObjReader {
     {
         Faces& faces = mesh_.faces;
         const std::size_t begin = faces.indices.size();
-        for (std::string_view next = words_.word(); !next.empty(); next = words_.word()) {
-            if (auto failure = corner(next)) { return failure; }
+        const Counts filed = so_far();
+        std::array<std::uint32_t, 3> numbers{};
+        for (;;) {
+            if (words_.plain_corner(numbers)) {
+                plain_corner(numbers, filed);
+            } else {
+                const std::string_view next = words_.word();
+                if (next.empty()) { break; }
+                if (auto failure = corner(next, filed)) { return failure; }
+            }
             if (faces.indices.size() % block == 0 && progress_.stopped()) { return cancelled(); }
         }
         const std::size_t corners = faces.indices.size() - begin;
@@ -266,8 +303,7 @@ class ObjReader {
                          {},
                          {}};
         }
-        const std::array<std::size_t, 3> filed{mesh_.positions.size(), corners_.uvs.size(),
-                                               corners_.normals.size()};
+        const Counts filed = so_far();
         for (std::size_t kind = 0; kind < filed.size(); ++kind) {
             if (ahead_[kind].line > 0 && ahead_[kind].index >= filed[kind]) {
                 return Error{Fault::IndexOutOfRange,

@@ -33,7 +33,15 @@ Result<std::size_t> ObjWords::numbers(std::span<double> out, std::size_t least,
                                       std::string_view expected)
 {
     std::size_t count = 0;
-    for (std::string_view next = word(); !next.empty(); next = word()) {
+    for (;;) {
+        if (count < out.size()) {
+            if (const auto plain = scanner_.plain_real(largest_coordinate)) {
+                out[count++] = *plain;
+                continue;
+            }
+        }
+        const std::string_view next = word();
+        if (next.empty()) { break; }
         Result<double> number = parse_coordinate(next, expected, line_);
         if (!number && number.error().fault == Fault::MalformedBody) {
             if (const auto mended = with_exponent_mended(next)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -40,6 +41,12 @@ class ObjWords {
             scanner_.next_line();
             if (!next.empty() || scanner_.at_end()) { return next; }
         }
+    }
+
+    /// TextScanner's.
+    bool plain_corner(std::array<std::uint32_t, 3>& numbers)
+    {
+        return scanner_.plain_corner(numbers);
     }
 
     /// What follows on the line, without blanks around it: names may contain blanks and '#'.

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <charconv>
 
 #include "core/io/filed.h"
 #include "core/io/srgb_codes.h"
@@ -33,20 +35,43 @@ Colors colors_of(const LitMesh& lit)
 }
 
 /// A number that cannot be taken for an 8-bit code.
-void append_with_point(TextOut text, float value)
+void write_with_point(TextOut text, float value)
 {
-    const std::size_t begin = text.out.size();
     text.number(value);
-    if (text.out.find_first_of(".e", begin) == std::string::npos) {
-        text.out.insert(text.out.size() - 1, ".0");
+    constexpr std::size_t longest = 32;
+    std::array<char, longest> digits;
+    const auto end = std::to_chars(digits.begin(), digits.end(), value).ptr;
+    if (std::string_view(digits.begin(), end).find_first_of(".e") == std::string_view::npos) {
+        text.out.back() = '.';
+        text.out.bytes("0 ");
     }
 }
 
-void append_vertices(TextOut text, const LitMesh& lit, const Colors& colors)
+void write_head(TextOut text, const LitMesh& lit, const Colors& colors)
+{
+    const Mesh& mesh = lit.mesh;
+    std::string head;
+    if (!mesh.uvs.empty()) { head += "ST"; }
+    if (colors.any()) { head += "C"; }
+    if (!lit.normals.empty() || !mesh.normals.empty()) { head += "N"; }
+    head += "OFF\n";
+    for (const std::string& comment : lit.comments) { head += "# " + one_line(comment) + "\n"; }
+    if (!mesh.absent.empty()) {
+        head += "# " + std::to_string(mesh.absent.size()) +
+                " points are absent: they stand where another one does\n";
+    }
+    text.out.bytes(head);
+    text.number(mesh.positions.size());
+    text.number(mesh.faces.count());
+    text.number(0);  // edges, which nobody counts
+    text.end_record();
+}
+
+void write_vertices(TextOut text, const LitMesh& lit, const Colors& colors)
 {
     const Mesh& mesh = lit.mesh;
     const FiledUv filed_uv(mesh);
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (std::size_t i = 0; i < mesh.positions.size() && text.open(); ++i) {
         const Point3 p = mesh.positions[i];
         for (const double x : {p.x, p.y, p.z}) {
             if (mesh.double_positions) {
@@ -65,7 +90,7 @@ void append_vertices(TextOut text, const LitMesh& lit, const Colors& colors)
             }
             text.number(255);  // alpha: some readers insist on four
         } else if (!colors.linear.empty()) {
-            for (const float band : colors.linear[i]) { append_with_point(text, band); }
+            for (const float band : colors.linear[i]) { write_with_point(text, band); }
             text.number(1);
         }
         if (!mesh.uvs.empty()) {
@@ -75,39 +100,29 @@ void append_vertices(TextOut text, const LitMesh& lit, const Colors& colors)
     }
 }
 
-}  // namespace
-
-std::string write_off(const LitMesh& lit)
+void write_faces(TextOut text, const Faces& faces)
 {
-    const Mesh& mesh = lit.mesh;
-    assert(lit.color.empty() || lit.color.size() == mesh.positions.size());
-    const Colors colors = colors_of(lit);
-    std::string out;
-    // A guess: digits vary.
-    out.reserve(64 * mesh.positions.size() + 8 * mesh.faces.indices.size());
-    if (!mesh.uvs.empty()) { out += "ST"; }
-    if (colors.any()) { out += "C"; }
-    if (!lit.normals.empty() || !mesh.normals.empty()) { out += "N"; }
-    out += "OFF\n";
-    for (const std::string& comment : lit.comments) { out += "# " + one_line(comment) + "\n"; }
-    if (!mesh.absent.empty()) {
-        out += "# " + std::to_string(mesh.absent.size()) +
-               " points are absent: they stand where another one does\n";
-    }
-    TextOut text{out};
-    text.number(mesh.positions.size());
-    text.number(mesh.faces.count());
-    text.number(0);  // edges, which nobody counts
-    text.end_record();
-    append_vertices(text, lit, colors);
-    for (std::size_t f = 0; f < mesh.faces.count(); ++f) {
-        text.number(mesh.faces.end(f) - mesh.faces.begin(f));
-        for (std::size_t c = mesh.faces.begin(f); c < mesh.faces.end(f); ++c) {
-            text.number(mesh.faces.indices[c]);
+    for (std::size_t f = 0; f < faces.count() && text.open(); ++f) {
+        text.number(faces.end(f) - faces.begin(f));
+        for (std::size_t c = faces.begin(f); c < faces.end(f); ++c) {
+            text.number(faces.indices[c]);
         }
         text.end_record();
     }
-    return out;
+}
+
+}  // namespace
+
+Encoding encode_off(const LitMesh& lit)
+{
+    assert(lit.color.empty() || lit.color.size() == lit.mesh.positions.size());
+    return {0, [lit, colors = colors_of(lit)](const Sink& sink) {
+                BlockOut out(sink);
+                write_head({out}, lit, colors);
+                write_vertices({out}, lit, colors);
+                write_faces({out}, lit.mesh.faces);
+                return out.flush();
+            }};
 }
 
 }  // namespace relight

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "core/io/filed.h"
+#include "core/io/pieces.h"
 #include "core/io/srgb_codes.h"
 
 namespace relight::ply {
@@ -18,14 +19,7 @@ Column column(Scalar type, std::vector<std::string> names, Value value)
     assert(names.size() * size_of(type) == sizeof(value(0)));
     return {type, std::move(names),
             [value](std::size_t first, std::size_t n, char* out, std::size_t stride) {
-                for (std::size_t i = first; i < first + n; ++i, out += stride) {
-                    // One by one: an array put together in memory and read back at once waits for
-                    // its stores, which takes twice as long.
-                    const auto numbers = value(i);
-                    for (std::size_t k = 0; k < numbers.size(); ++k) {
-                        std::memcpy(out + k * sizeof(numbers[k]), &numbers[k], sizeof(numbers[k]));
-                    }
-                }
+                fill_rows(value, first, n, out, stride);
             }};
 }
 

@@ -106,7 +106,7 @@ void write_vertices(BlockOut& out, std::size_t count, const std::vector<Column>&
     });
 }
 
-void append_vertices(std::string& out, std::size_t count, const std::vector<Column>& columns)
+void write_lines(TextOut out, std::size_t count, const std::vector<Column>& columns)
 {
     const std::size_t stride = stride_of(columns);
     std::vector<char> rows;
@@ -117,14 +117,13 @@ void append_vertices(std::string& out, std::size_t count, const std::vector<Colu
         for (std::size_t i = 0; i < n; ++i) {
             for (const Column& column : columns) {
                 for (std::size_t k = 0; k < column.names.size(); ++k, at += size_of(column.type)) {
-                    with_type(column.type, [&](auto zero) {
-                        TextOut{out}.number(load<decltype(zero), false>(at));
-                    });
+                    with_type(column.type,
+                              [&](auto zero) { out.number(load<decltype(zero), false>(at)); });
                 }
             }
-            TextOut{out}.end_record();
+            out.end_record();
         }
-        return true;
+        return out.open();
     });
 }
 
@@ -139,10 +138,6 @@ struct BinaryOut {
     }
     void end_record() {}
     bool open() const { return out.open(); }
-};
-
-struct LinesOut : TextOut {
-    static bool open() { return true; }
 };
 
 template <class Out>
@@ -195,12 +190,22 @@ std::uint64_t face_bytes(const Mesh& mesh, const FaceShape& shape)
 }  // namespace
 }  // namespace ply
 
-Encoding encode_ply(const LitMesh& lit)
+Encoding encode_ply(const LitMesh& lit, PlyEncoding encoding)
 {
     const Mesh& mesh = lit.mesh;
     std::vector<ply::Column> columns = ply::columns_of(lit);
     const ply::FaceShape shape = ply::shape_of(mesh);
-    std::string header = ply::header_of(lit, columns, shape, PlyEncoding::BinaryLittleEndian);
+    std::string header = ply::header_of(lit, columns, shape, encoding);
+    if (encoding == PlyEncoding::Ascii) {
+        return {0, [&mesh, columns = std::move(columns), header = std::move(header),
+                    shape](const Sink& sink) {
+                    BlockOut out(sink);
+                    out.bytes(header);
+                    ply::write_lines({out}, mesh.positions.size(), columns);
+                    ply::write_faces(TextOut{out}, mesh, shape);
+                    return out.flush();
+                }};
+    }
     const std::uint64_t bytes = header.size() +
                                 std::uint64_t{ply::stride_of(columns)} * mesh.positions.size() +
                                 ply::face_bytes(mesh, shape);
@@ -217,21 +222,6 @@ Encoding encode_ply(const LitMesh& lit)
                 }
                 return out.flush();
             }};
-}
-
-std::string write_ply(const LitMesh& lit, PlyEncoding encoding)
-{
-    if (encoding == PlyEncoding::BinaryLittleEndian) { return whole(encode_ply(lit)); }
-    const Mesh& mesh = lit.mesh;
-    const std::vector<ply::Column> columns = ply::columns_of(lit);
-    const ply::FaceShape shape = ply::shape_of(mesh);
-    std::string out = ply::header_of(lit, columns, shape, encoding);
-    // A guess: digits vary.
-    out.reserve(out.size() + ply::stride_of(columns) * mesh.positions.size() +
-                4 * mesh.faces.indices.size() + mesh.faces.count());
-    ply::append_vertices(out, mesh.positions.size(), columns);
-    ply::write_faces(ply::LinesOut{{out}}, mesh, shape);
-    return out;
 }
 
 }  // namespace relight

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace relight {
@@ -16,7 +18,7 @@ using Sink = std::function<bool(std::string_view)>;
 
 /// An answer that is written while it is sent: nobody holds all of it.
 struct Encoding {
-    std::uint64_t bytes = 0;  ///< that `write` gives, exactly
+    std::uint64_t bytes = 0;  ///< that `write` gives, exactly; 0: nobody knows before (text)
     /// Gives the bytes to the sink in order; false if the sink refused, and then nothing follows.
     /// The same bytes at each call. What the encoding was made of must still be there.
     std::function<bool(const Sink&)> write;
@@ -31,8 +33,15 @@ inline std::string whole(const Encoding& encoding)
         out += bytes;
         return true;
     });
-    assert(out.size() == encoding.bytes);
+    assert(encoding.bytes == 0 || out.size() == encoding.bytes);
     return out;
+}
+
+/// One that was written before.
+inline Encoding sent_whole(std::string bytes)
+{
+    const auto kept = std::make_shared<const std::string>(std::move(bytes));
+    return {kept->size(), [kept](const Sink& sink) { return kept->empty() || sink(*kept); }};
 }
 
 /// Collects small pieces for a sink in one block of memory that is used again and again: fresh
@@ -49,6 +58,12 @@ class BlockOut {
         used_ += bytes;
         return block_.data() + used_ - bytes;
     }
+
+    /// Gives back what lies behind `end` of the room that was asked for last.
+    void end_at(const char* end) { used_ = static_cast<std::size_t>(end - block_.data()); }
+
+    /// What was collected last; at least one byte must have been, since bytes().
+    char& back() { return block_[used_ - 1]; }
 
     template <class T>
     void number(T value)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -23,15 +24,26 @@ inline std::vector<float> decoded_srgb(std::size_t largest)
 /// The 8-bit codes that these colours came from; nothing if they did not.
 inline std::vector<Rgb8> codes_of(std::span<const Rgbf> colors)
 {
+    // Where to look for a value: codes lie 1/3295 apart or more, so a bin begins two at the most.
+    constexpr std::size_t bins = 4096;
     const std::vector<float> table = decoded_srgb(255);
+    std::array<unsigned char, bins + 1> first{};
+    for (std::size_t bin = 0; bin <= bins; ++bin) {
+        const float least = static_cast<float>(bin) / static_cast<float>(bins);
+        const auto it = std::lower_bound(table.begin(), table.end(), least);
+        first[bin] = static_cast<unsigned char>(it - table.begin());
+    }
     std::vector<Rgb8> codes;
     codes.reserve(colors.size());
     for (const Rgbf& color : colors) {
         Rgb8 code{};
         for (std::size_t band = 0; band < 3; ++band) {
-            const auto it = std::lower_bound(table.begin(), table.end(), color[band]);
-            if (it == table.end() || *it != color[band]) { return {}; }
-            code[band] = static_cast<unsigned char>(it - table.begin());
+            const float x = color[band];
+            if (!(x >= 0.0F && x <= 1.0F)) { return {}; }
+            unsigned char found = first[static_cast<std::size_t>(x * static_cast<float>(bins))];
+            while (table[found] < x) { ++found; }
+            if (table[found] != x) { return {}; }
+            code[band] = found;
         }
         codes.push_back(code);
     }

@@ -1,25 +1,28 @@
 #pragma once
 
-#include <array>
 #include <charconv>
 #include <string>
 #include <string_view>
 
+#include "core/io/sink.h"
+
 namespace relight {
 
-/// Appends numbers as the fewest digits that read back exactly, a record a line.
+/// Writes numbers as the fewest digits that read back exactly, a record a line.
 struct TextOut {
-    std::string& out;
+    BlockOut& out;
 
     template <class T>
     void number(T value, char after = ' ')
     {
-        std::array<char, 32> digits;
-        char* const end = std::to_chars(digits.data(), digits.data() + 31, value).ptr;
+        constexpr std::size_t longest = 31;
+        char* const begin = out.room(longest + 1);
+        char* const end = std::to_chars(begin, begin + longest, value).ptr;
         *end = after;
-        out.append(digits.data(), end + 1);
+        out.end_at(end + 1);
     }
     void end_record() { out.back() = '\n'; }
+    bool open() const { return out.open(); }
 };
 
 /// The text on one line, whatever it holds.

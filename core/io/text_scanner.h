@@ -1,10 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -126,6 +128,40 @@ class TextScanner {
         return {start, static_cast<std::size_t>(at_ - start)};
     }
 
+    /// The number that stands next on this line, where it is plain: as from_chars takes it, of a
+    /// magnitude up to `largest`, and nothing hangs on its end. Nothing: word() and parse_real()
+    /// say what stands there; they go over each character thrice.
+    std::optional<double> plain_real(double largest)
+    {
+        skip_blanks();
+        double value = 0.0;
+        const auto [end, failure] = std::from_chars(at_, end_, value);
+        const bool small = std::abs(value) <= largest;  // false for NaN, too
+        if (failure != std::errc() || !small || !ends_word(end)) { return {}; }
+        at_ = end;
+        return value;
+    }
+
+    /// The word that stands next on this line, where it is a, a/b, a//c or a/b/c of plain numbers
+    /// from 1 up, as OBJ's faces have them; 0 for what is left out. False: word() says what stands
+    /// there.
+    bool plain_corner(std::array<std::uint32_t, 3>& numbers)
+    {
+        skip_blanks();
+        const char* at = at_;
+        numbers = {};
+        bool plain = plain_index(at, numbers[0]);
+        if (plain && at != end_ && *at == '/') {
+            ++at;
+            const bool skipped = at != end_ && *at == '/';
+            if (!skipped) { plain = plain_index(at, numbers[1]); }
+            if (plain && at != end_ && *at == '/') { plain = plain_index(++at, numbers[2]); }
+        }
+        if (!plain || !ends_word(at)) { return false; }
+        at_ = at;
+        return true;
+    }
+
     /// The next word on this or a later line; empty at the end of the file.
     std::string_view word_on_any_line()
     {
@@ -165,6 +201,21 @@ class TextScanner {
     {
         while (at_ != end_ && is_blank(*at_)) { ++at_; }
     }
+
+    /// As many digits as surely fit, of a number from 1 up.
+    bool plain_index(const char*& at, std::uint32_t& number) const
+    {
+        constexpr std::ptrdiff_t surely = 9;
+        const char* const end = end_ - at > surely ? at + surely : end_;
+        std::uint32_t value = 0;
+        for (; at != end && *at >= '0' && *at <= '9'; ++at) {
+            value = 10 * value + static_cast<std::uint32_t>(*at - '0');
+        }
+        number = value;
+        return value > 0;
+    }
+
+    bool ends_word(const char* at) const { return at == end_ || is_blank(*at) || is_line_end(*at); }
 
     const char* begin_;
     const char* at_;

@@ -166,7 +166,7 @@ void add_comments(vtkFieldData& data, const LitMesh& lit)
 
 }  // namespace
 
-std::string write_vtp(const LitMesh& lit)
+Encoding encode_vtp(const LitMesh& lit)
 {
     assert(!lit.mesh.positions.empty());
     vtkNew<vtkPolyData> data;
@@ -184,7 +184,7 @@ std::string write_vtp(const LitMesh& lit)
     writer->SetByteOrderToLittleEndian();
     writer->WriteToOutputStringOn();
     if (writer->Write() == 0) { throw std::runtime_error("the VTP writer failed"); }
-    return writer->GetOutputString();
+    return sent_whole(writer->GetOutputString());
 }
 
 }  // namespace relight

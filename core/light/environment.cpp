@@ -19,19 +19,20 @@ std::size_t cell(double t, int n)
     return static_cast<std::size_t>(t < n ? std::max(0, static_cast<int>(t)) : n - 1);
 }
 
-/// A cell drawn in proportion to its step of the running sum, and where in the cell t fell.
-struct Drawn {
-    std::size_t index;
-    double fraction;  ///< [0, 1]
-};
+/// The guide of the part of the sums that u falls in.
+std::size_t guide_of(double u, std::size_t sums)
+{
+    const double n = static_cast<double>(sums);
+    return static_cast<std::size_t>(std::min(u * n, n - 1.0));
+}
+
+/// A cell drawn in proportion to its step of the running sum, and where in the cell u fell.
 /// `guide` holds for each of as many equal parts of [0, sums.back()] as there are sums, which sum
 /// is the first beyond its beginning: on average the next one or two are looked at.
-Drawn draw(std::span<const double> sums, std::span<const int> guide, double u)
+EnvironmentMap::Cell draw(std::span<const double> sums, std::span<const int> guide, double u)
 {
     const double t = u * sums.back();
-    const double n = static_cast<double>(sums.size());
-    std::size_t i =
-        static_cast<std::size_t>(guide[static_cast<std::size_t>(std::min(u * n, n - 1.0))]);
+    std::size_t i = static_cast<std::size_t>(guide[guide_of(u, sums.size())]);
     // The first sum beyond t ends a step of more than 0; that u n was rounded up is mended.
     while (i > 0 && sums[i - 1] > t) { --i; }
     while (i < sums.size() && !(sums[i] > t)) { ++i; }
@@ -135,28 +136,57 @@ EnvironmentMap::Seen EnvironmentMap::seen(std::size_t texel, Vec3 w) const
     return {w, L, total_ > 0.0 ? luminance(L) / total_ : 0.0};
 }
 
+std::size_t EnvironmentMap::texel_at(double turns, double y) const
+{
+    // The seam's two names, 0 and 1, are one place.
+    return row_along(y) * static_cast<std::size_t>(image_.width) +
+           cell(turns < 1.0 ? turns * image_.width : 0.0, image_.width);
+}
+
 std::size_t EnvironmentMap::texel_along(Vec3 w) const
 {
-    const double u = 0.5 + std::atan2(w.z, w.x) / (2.0 * pi);
-    // The seam's two names, u = 0 and u = 1, are one place.
-    return row_along(w.y) * static_cast<std::size_t>(image_.width) +
-           cell(u < 1.0 ? u * image_.width : 0.0, image_.width);
+    const double angle = std::copysign(warp::angle_above(std::abs(w.z), w.x), w.z);
+    return texel_at(0.5 + angle * (0.5 / pi), w.y);
+}
+
+EnvironmentMap::Cell EnvironmentMap::draw_row(double v) const
+{
+    return draw(row_cdf_, row_guide_, v);
+}
+
+std::size_t EnvironmentMap::guide_of_column(std::size_t row, double u) const
+{
+    const std::size_t width = static_cast<std::size_t>(image_.width);
+    return row * width + guide_of(u, width);
+}
+
+EnvironmentMap::Cell EnvironmentMap::draw_column(std::size_t row, double u) const
+{
+    const std::size_t width = static_cast<std::size_t>(image_.width);
+    return draw(std::span(texel_cdf_).subspan(row * width, width),
+                std::span(texel_guide_).subspan(row * width, width), u);
+}
+
+double EnvironmentMap::turns(std::size_t column, double fraction) const
+{
+    return (static_cast<double>(column) + off_the_edges(fraction)) / image_.width - 0.5;
+}
+
+double EnvironmentMap::height(Cell row) const
+{
+    const double top = row_cos_[row.index], bottom = row_cos_[row.index + 1];
+    return top + off_the_edges(row.fraction) * (bottom - top);
 }
 
 EnvironmentMap::Seen EnvironmentMap::sample(Sample2 s) const
 {
     if (!(total_ > 0.0)) { return {}; }
-    const std::size_t width = static_cast<std::size_t>(image_.width);
-    const Drawn row = draw(row_cdf_, row_guide_, s.v);
-    const std::size_t first = row.index * width;
-    const Drawn column = draw(std::span(texel_cdf_).subspan(first, width),
-                              std::span(texel_guide_).subspan(first, width), s.u);
-    const double across = static_cast<double>(column.index) + off_the_edges(column.fraction);
-    const warp::SineCosine phi = warp::sine_cosine_of_turns(across / image_.width - 0.5);
-    const double top = row_cos_[row.index], bottom = row_cos_[row.index + 1];
-    const double y = top + off_the_edges(row.fraction) * (bottom - top);
+    const Cell row = draw_row(s.v), column = draw_column(row.index, s.u);
+    const warp::SineCosine phi = warp::sine_cosine_of_turns(turns(column.index, column.fraction));
+    const double y = height(row);
     const double sine = std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y)));
-    return seen(first + column.index, {sine * phi.cosine, y, sine * phi.sine});
+    return seen(row.index * static_cast<std::size_t>(image_.width) + column.index,
+                {sine * phi.cosine, y, sine * phi.sine});
 }
 
 std::uint64_t EnvironmentMap::bytes() const

@@ -30,6 +30,24 @@ class EnvironmentMap {
     std::size_t texel_along(Vec3 w) const;
     Seen seen(std::size_t texel, Vec3 w) const;
     void fetch(std::size_t texel) const { __builtin_prefetch(&image_.pixels[texel]); }
+    /// sample() and texel_along() in steps too.
+    struct Cell {
+        std::size_t index;
+        double fraction;  ///< within it, [0, 1]
+    };
+    Cell draw_row(double v) const;
+    Cell draw_column(std::size_t row, double u) const;
+    std::size_t guide_of_column(std::size_t row, double u) const;
+    void fetch_guide(std::size_t guide) const { __builtin_prefetch(&texel_guide_[guide]); }
+    void fetch_sums(std::size_t row, std::size_t guide) const
+    {
+        __builtin_prefetch(&texel_cdf_[row * static_cast<std::size_t>(image_.width) +
+                                       static_cast<std::size_t>(texel_guide_[guide])]);
+    }
+    double turns(std::size_t column, double fraction) const;  ///< about the pole, -1/2 to 1/2
+    double height(Cell row) const;                            ///< y
+    /// The texel around the pole by so many turns, 0 to 1, at the height y.
+    std::size_t texel_at(double turns, double y) const;
     Rgb radiance(Vec3 w) const { return look(w).L; }
     double pdf(Vec3 w) const { return look(w).pdf; }
     double luminance_integral() const { return total_; }  ///< sum of luminance x solid angle

@@ -153,6 +153,15 @@ std::optional<double> closed_irradiance(const LightShape& shape, Point3 p, Dir3 
     return std::visit(ClosedIrradiance{p, n}, shape);
 }
 
+void closed_irradiance(const LightShape& shape, std::span<const Point3> p, std::span<const Dir3> n,
+                       std::span<double> E)
+{
+    if (const auto* rect = std::get_if<RectLight>(&shape)) { return irradiance(*rect, p, n, E); }
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        E[i] = closed_irradiance(shape, p[i], n[i]).value_or(0.0);
+    }
+}
+
 bool is_grey(const LightShape& shape)
 {
     const auto* sky = std::get_if<EnvironmentLight>(&shape);

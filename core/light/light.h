@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -72,6 +73,10 @@ LightSample look(const LightShape& shape, Point3 p, Dir3 wi);
 /// E facing n from unit power of such a light, unoccluded, where a closed form is known: rect,
 /// disk, sphere, sun, constant sky.
 std::optional<double> closed_irradiance(const LightShape& shape, Point3 p, Dir3 n);
+
+/// The same at many places; 0 where no closed form is known. Of rectangles in vectors.
+void closed_irradiance(const LightShape& shape, std::span<const Point3> p, std::span<const Dir3> n,
+                       std::span<double> E);
 
 /// Its light has one colour everywhere: columns of one band do.
 bool is_grey(const LightShape& shape);

@@ -50,23 +50,25 @@ RectView::RectView(const RectLight& light, Point3 p)
     if (!shines_toward(light, p)) { return; }
     const std::array<Point3, 4> at = corners_of(light);
     halves_ = {view({at[0], at[1], at[2]}, p), view({at[0], at[2], at[3]}, p)};
-    whole_ = halves_[0].solid_angle + halves_[1].solid_angle;
+    directions_.whole = halves_[0].solid_angle + halves_[1].solid_angle;
     if (by_area() || !is_seen()) { return; }
-    spherical_ = {halves_[0].spherical(), halves_[1].spherical()};
-    normal_ = halves_[0].normal;
-    height_ = std::abs(halves_[0].volume);
-    for (const Point3 corner : at) { farthest_ = std::max(farthest_, length(corner - p)); }
+    directions_.halves = {halves_[0].spherical(), halves_[1].spherical()};
+    directions_.normal = halves_[0].normal;
+    directions_.height = std::abs(halves_[0].volume);
+    double& farthest = directions_.farthest;
+    for (const Point3 corner : at) { farthest = std::max(farthest, length(corner - p)); }
 }
 
 LightSample RectView::sample(Sample2 s) const
 {
     if (!is_seen()) { return {}; }
     if (!by_area()) { return sample_direction(s); }
-    const double at = s.u * whole_;
+    const double at = s.u * directions_.whole;
     const bool first = at < halves_[0].solid_angle;
     const TriangleView& half = halves_[first ? 0 : 1];
-    s.u = std::min((first ? at : at - halves_[0].solid_angle) / half.solid_angle, below_one);
-    return part_of(relight::sample(half, s), half.solid_angle / whole_);
+    s.u = std::min((first ? at : at - halves_[0].solid_angle) / half.solid_angle,
+                   RectDirections::below_one);
+    return part_of(relight::sample(half, s), half.solid_angle / directions_.whole);
 }
 
 LightSample RectView::look(Dir3 wi) const
@@ -74,7 +76,7 @@ LightSample RectView::look(Dir3 wi) const
     if (!is_seen()) { return {}; }
     for (const TriangleView& half : halves_) {
         const LightSample seen = relight::look(half, wi);
-        if (seen.wi) { return part_of(seen, half.solid_angle / whole_); }
+        if (seen.wi) { return part_of(seen, half.solid_angle / directions_.whole); }
     }
     return {};
 }

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "core/base/sobol.h"
+#include "core/base/vectors.h"
 #include "core/light/light_sample.h"
 #include "core/light/triangle.h"
 
@@ -22,6 +24,53 @@ double area(const RectLight& light);
 /// E at p facing n from radiance 1 [sr].   Test: Polygon.ARectangle*
 double irradiance(const RectLight& light, Point3 p, Dir3 n);
 
+/// The same at many places at once, in vectors: within 1e-12, but where the coordinates' own
+/// roundings are more.   Test: RectLanes.*
+void irradiance(const RectLight& light, std::span<const Point3> p, std::span<const Dir3> n,
+                std::span<double> E);
+
+/// Directions to a rectangle, uniform in the solid angle of the whole, from what depends on the
+/// place alone.
+struct RectDirections {
+    std::array<SphericalTriangle, 2> halves;
+    double whole = 0.0;     ///< solid angle; 0: nothing is to be seen
+    Vec3 normal;            ///< any length
+    double height = 0.0;    ///< above the plane, times that length
+    double farthest = 0.0;  ///< corner's distance
+
+    bool is_seen() const { return whole > 0.0; }
+    /// Without a branch; where something is seen.
+    LightSample sample_direction(Sample2 s) const
+    {
+        // s.u chooses the half and is then spread over it: points that are well apart stay so.
+        const double at = s.u * whole;
+        const SphericalTriangle &a = halves[0], &b = halves[1];
+        const Mask other = where(at >= a.solid_angle);
+        SphericalTriangle half;
+        half.solid_angle = choose(other, b.solid_angle, a.solid_angle);
+        half.A = a.A;  // they share that corner
+        half.B = choose(other, b.B, a.B);
+        half.T = choose(other, b.T, a.T);
+        half.sum = choose(other, b.sum, a.sum);
+        half.sine = choose(other, b.sine, a.sine);
+        half.b_dot_t = choose(other, b.b_dot_t, a.b_dot_t);
+        const double share = (at - choose(other, a.solid_angle, 0.0)) / half.solid_angle;
+        s.u = share < below_one ? share : below_one;
+        const Vec3 wi = half.direction(s);
+        const double distance = height / std::abs(dot(wi, normal));
+        // No farther than the farthest corner, whatever the rounding of a grazing direction.
+        return {unit_already(wi), distance <= farthest ? distance : farthest, Rgb::grey(1.0),
+                1.0 / whole};
+    }
+
+    static constexpr double below_one = 1.0 - 0x1p-33;
+};
+
+/// Those of many places, in vectors. They are RectView's but for some roundings; where it draws by
+/// area or lifts the place, `whole` is negative, and it is RectView that draws.
+/// Test: RectLanes.*
+void directions(const RectLight& light, std::span<const Point3> p, std::span<RectDirections> seen);
+
 /// The rectangle as a place sees it. Drawn uniformly in the solid angle of the whole, that is of
 /// its two triangles; "no direction" from behind, in its plane, or without area.
 class RectView {
@@ -34,39 +83,12 @@ class RectView {
     LightSample look(Dir3 wi) const;
 
     /// What sample() gives where not by_area() and something is seen: without a branch.
-    bool is_seen() const { return whole_ > 0.0; }
-    LightSample sample_direction(Sample2 s) const
-    {
-        // s.u chooses the half and is then spread over it: points that are well apart stay so.
-        const double at = s.u * whole_;
-        // A blend by 0 and 1, which is exact: compilers make branches of a choice of so many.
-        const SphericalTriangle &a = spherical_[0], &b = spherical_[1];
-        const double other = 0.5 + std::copysign(0.5, at - a.solid_angle), one = 1.0 - other;
-        SphericalTriangle half;
-        half.solid_angle = a.solid_angle * one + b.solid_angle * other;
-        half.A = a.A * one + b.A * other;
-        half.B = a.B * one + b.B * other;
-        half.T = a.T * one + b.T * other;
-        half.sum = a.sum * one + b.sum * other;
-        half.sine = a.sine * one + b.sine * other;
-        half.b_dot_t = a.b_dot_t * one + b.b_dot_t * other;
-        const double share = (at - a.solid_angle * other) / half.solid_angle;
-        s.u = share < below_one ? share : below_one;
-        const Vec3 wi = half.direction(s);
-        const double distance = height_ / std::abs(dot(wi, normal_));
-        // No farther than the farthest corner, whatever the rounding of a grazing direction.
-        return {unit_already(wi), distance <= farthest_ ? distance : farthest_, Rgb::grey(1.0),
-                1.0 / whole_};
-    }
+    bool is_seen() const { return directions_.is_seen(); }
+    LightSample sample_direction(Sample2 s) const { return directions_.sample_direction(s); }
 
   private:
-    static constexpr double below_one = 1.0 - 0x1p-33;
     std::array<TriangleView, 2> halves_;
-    std::array<SphericalTriangle, 2> spherical_;  ///< where not by_area()
-    double whole_ = 0.0;                          ///< solid angle; 0: nothing is to be seen
-    Vec3 normal_;                                 ///< any length
-    double height_ = 0.0;                         ///< above the plane, times that length
-    double farthest_ = 0.0;                       ///< corner's distance
+    RectDirections directions_;  ///< of by_area() only what is whole
 };
 
 LightSample sample(const RectLight& light, Point3 p, Sample2 s);

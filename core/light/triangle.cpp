@@ -6,15 +6,6 @@
 namespace relight {
 namespace {
 
-/// Below, directions within the triangle have fewer than about twelve digits, and the density of
-/// points of equal area hardly varies [sr].
-constexpr double least_solid_angle = 1e-7;
-
-/// A place nearer to the triangle than this fraction of its longest edge draws the directions of a
-/// place at that height: nearer, the corners are on one great circle, in double, and which part of
-/// the hemisphere they enclose is rounding.
-constexpr double least_height = 1e-9;
-
 /// tan(Omega / 2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b)
 double solid_angle_of(Vec3 a, Vec3 b, Vec3 c, double volume)
 {

@@ -8,6 +8,15 @@
 
 namespace relight {
 
+/// Below, directions within the triangle have fewer than about twelve digits, and the density of
+/// points of equal area hardly varies [sr].
+inline constexpr double least_solid_angle = 1e-7;
+
+/// A place nearer to the triangle than this fraction of its longest edge draws the directions of a
+/// place at that height: nearer, the corners are on one great circle, in double, and which part of
+/// the hemisphere they enclose is rounding.
+inline constexpr double least_height = 1e-9;
+
 /// Directions uniform in a spherical triangle, from what depends on its corners A, B, C alone: a
 /// corner C' on the arc from A to C cuts off the share u of the angle; then along the arc from B to
 /// C', uniform in the cosine (Arvo 1995). With C' = A cos(tau) + T sin(tau) and t = tan(tau / 2),

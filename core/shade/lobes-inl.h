@@ -1,6 +1,6 @@
 // The lobes of which f is made, in float, a vector of vertices at a time: the formulas of
 // core/bsdf, turned so that they need no angle and lose no digits. With h = wi + wo (not unit):
-// cos_d = |h| / 2, cos_m = h_z / |h|, tan_m = |n x h| / h_z. For reflect.cpp, which includes this
+// cos_d = |h| / 2, cos_m = h_z / |h|, tan_m = |n x h| / h_z. For shine.cpp, which includes this
 // after Highway, once for each instruction set.
 #if defined(RELIGHT_SHADE_LOBES) == defined(HWY_TARGET_TOGGLE)
 #ifdef RELIGHT_SHADE_LOBES
@@ -10,140 +10,41 @@
 #endif
 
 #include "core/bsdf/charlie.h"
-#include "core/shade/kernels.h"
+#include "core/shade/floats-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace relight::kernel::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::ScalableTag<float>;
-using Float = hn::Vec<Floats>;
-using Ints = hn::RebindToSigned<Floats>;
-
-constexpr float inv_pi = 0.318309886F;
-// Denominators stay above it: with both directions in the plane f is large, but a number.
-constexpr float least = 1e-30F;
-
-HWY_INLINE Float all(float x)
-{
-    return hn::Set(Floats(), x);
-}
-HWY_INLINE Float load(const float* from)
-{
-    return hn::Load(Floats(), from);
-}
-HWY_INLINE Float square(Float x)
-{
-    return x * x;
-}
-/// a (1 - t) + b t
-HWY_INLINE Float mix(Float a, Float b, Float t)
-{
-    return hn::MulAdd(t, b - a, a);
-}
-
-struct Bands {
-    Float r, g, b;
-};
-HWY_INLINE Bands operator+(Bands a, Bands b)
-{
-    return {a.r + b.r, a.g + b.g, a.b + b.b};
-}
-HWY_INLINE Bands operator*(Bands a, Bands b)
-{
-    return {a.r * b.r, a.g * b.g, a.b * b.b};
-}
-HWY_INLINE Bands operator*(Bands a, Float s)
-{
-    return {a.r * s, a.g * s, a.b * s};
-}
-HWY_INLINE Bands grey(Float x)
-{
-    return {x, x, x};
-}
-HWY_INLINE Bands all(const float (&v)[3])
-{
-    return {all(v[0]), all(v[1]), all(v[2])};
-}
-HWY_INLINE Bands mix(Bands a, Bands b, Float t)
-{
-    return {mix(a.r, b.r, t), mix(a.g, b.g, t), mix(a.b, b.b, t)};
-}
-
-/// sin^2 of a direction at cosine c.
-HWY_INLINE Float sin2_of(Float c)
-{
-    return hn::Max((all(1.0F) - c) * (all(1.0F) + c), all(0.0F));
-}
-
-/// S = (1 - u)^5 of Schlick's F = F0 + (F90 - F0) S.
-HWY_INLINE Float S(Float u)
-{
-    const Float w = hn::Max(all(1.0F) - u, all(0.0F));
-    return square(square(w)) * w;
-}
-HWY_INLINE Float schlick(float F0, Float s, float F90 = 1.0F)
-{
-    return hn::MulAdd(all(F90 - F0), s, all(F0));
-}
-
-/// What f depends on at some vertices.
-struct At {
-    Float ci, co, h2, hxy2, hz, cos_d;
-};
-HWY_INLINE At at(const Block& block, std::size_t i)
-{
-    const Float ci = load(block.ci + i), co = load(block.co + i), h2 = load(block.h2 + i);
-    return {ci, co, h2, load(block.hxy2 + i), ci + co, all(0.5F) * hn::Sqrt(h2)};
-}
-HWY_INLINE Bands base_at(const Block& block, std::size_t i)
-{
-    return {load(block.base[0] + i), load(block.base[1] + i), load(block.base[2] + i)};
-}
-/// f of the lanes whose directions are both above the surface; rounding never makes it negative.
-HWY_INLINE void store(Block& block, std::size_t i, const Bands& f)
-{
-    const Floats d;
-    const Float zero = all(0.0F);
-    const auto above = hn::And(load(block.ci + i) > zero, load(block.co + i) > zero);
-    hn::Store(hn::IfThenElseZero(above, hn::Max(f.r, zero)), d, block.f[0] + i);
-    hn::Store(hn::IfThenElseZero(above, hn::Max(f.g, zero)), d, block.f[1] + i);
-    hn::Store(hn::IfThenElseZero(above, hn::Max(f.b, zero)), d, block.f[2] + i);
-}
-
 /// The square of a vector across the normal, stretched by a lobe's widths along its axes.
 template <bool anisotropic>
-HWY_INLINE Float stretched(float x2, float y2, Float across2, const float* x, const float* y)
+HWY_INLINE Float stretched(float x2, float y2, Float across2, Float x, Float y)
 {
-    if constexpr (anisotropic) {
-        return hn::MulAdd(all(x2), square(load(x)), all(y2) * square(load(y)));
-    }
+    if constexpr (anisotropic) { return hn::MulAdd(all(x2), square(x), all(y2) * square(y)); }
     return all(x2) * across2;
 }
 template <bool anisotropic>
-HWY_INLINE Float stretched_h(const Facets& l, const Block& block, std::size_t i, Float hxy2)
+HWY_INLINE Float stretched_h(const Facets& l, const At& a)
 {
-    return stretched<anisotropic>(l.inv_ax2, l.inv_ay2, hxy2, block.h_x + i, block.h_y + i);
+    return stretched<anisotropic>(l.inv_ax2, l.inv_ay2, a.hxy2, a.h_x, a.h_y);
 }
+/// Of wi or wo, at cosine c.
 template <bool anisotropic>
-HWY_INLINE Float stretched_wi(const Facets& l, const Block& block, std::size_t i)
+HWY_INLINE Float stretched_w(const Facets& l, Float c, Float x, Float y)
 {
-    return stretched<anisotropic>(l.ax2, l.ay2, sin2_of(load(block.ci + i)), block.wi_x + i,
-                                  block.wi_y + i);
-}
-template <bool anisotropic>
-HWY_INLINE Float stretched_wo(const Facets& l, const Block& block, std::size_t i)
-{
-    return stretched<anisotropic>(l.ax2, l.ay2, sin2_of(load(block.co + i)), block.wo_x + i,
-                                  block.wo_y + i);
+    return stretched<anisotropic>(l.ax2, l.ay2, sin2_of(c), x, y);
 }
 
 /// cos + 2 Lambda cos of GGX: Lambda cos = (root - cos) / 2.
-HWY_INLINE Float ggx_root(Float c, Float t2)
+HWY_INLINE Float ggx_root(Float alpha2, Float c)
 {
-    return hn::Sqrt(hn::MulAdd(c, c, t2));
+    return hn::Sqrt(hn::MulAdd(all(1.0F) - alpha2, square(c), alpha2));
+}
+template <bool anisotropic>
+HWY_INLINE Float ggx_root(const Facets& l, Float c, Float x, Float y)
+{
+    if constexpr (anisotropic) { return hn::Sqrt(hn::MulAdd(c, c, stretched_w<true>(l, c, x, y))); }
+    return ggx_root(all(l.ax2), c);
 }
 
 /// D V of GGX. With p = |h stretched by 1/alpha|^2: D = peak (h2 / p)^2, and
@@ -234,7 +135,8 @@ HWY_INLINE Float D_gtr(const Reflector& m, const At& a, Float h_stretched)
 HWY_INLINE Float lost(const Reflector& m, Float c)
 {
     const Float x = hn::Asinh(Floats(), hn::Min(c, all(1.0F)) * all(m.lost_inv_scale));
-    const Float place = all(MultiscatterTable::nodes - 1) * hn::Sqrt(x * all(m.lost_inv_reach));
+    const Float place =
+        all(float{MultiscatterTable::nodes - 1}) * hn::Sqrt(x * all(m.lost_inv_reach));
     const Float share = cubic(m.lost_table, MultiscatterTable::nodes, place);
     return hn::Min(hn::Max(share, all(0.0F)), all(1.0F));
 }
@@ -300,7 +202,7 @@ HWY_INLINE Float E_charlie(const Reflector& m, Float c)
     const Floats d;
     const Ints ints;
     const Float root = hn::Exp(d, hn::Log(d, hn::Max(c, all(least))) * all(1.0F / 3.0F));
-    const Float place = root * all(charlie::albedo_columns - 1);
+    const Float place = root * all(float{charlie::albedo_columns - 1});
     const auto first = hn::Min(hn::Max(hn::ConvertTo(ints, place), hn::Zero(ints)),
                                hn::Set(ints, charlie::albedo_columns - 2));
     const Float y0 = hn::GatherIndex(d, m.sheen_table, first);

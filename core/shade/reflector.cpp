@@ -113,7 +113,8 @@ struct Prepare {
     void operator()(const MetallicRoughness& m)
     {
         r.model = Reflector::Model::MetallicRoughness;
-        r.turn = m.anisotropy_rotation;
+        r.turn_cos = std::cos(m.anisotropy_rotation);
+        r.turn_sin = std::sin(m.anisotropy_rotation);
         r.facets = ggx(lobe_widths(m));
         r.metallic = to_f(m.metallic);
         r.specular = to_f(m.specular);

@@ -32,7 +32,8 @@ struct Reflector {
         MetallicRoughness
     } model = Model::Lambert;
     bool anisotropic = false;
-    double turn = 0.0;  ///< of the lobe's axes from the frame's, counter-clockwise [rad]
+    double turn_cos = 1.0,
+           turn_sin = 0.0;  ///< of the lobe's axes from the frame's, counter-clockwise
 
     float A = 1.0F, B = 0.0F;  ///< Oren-Nayar
 

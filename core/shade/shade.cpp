@@ -47,20 +47,23 @@ VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, c
             return Rgb{rows[0][0], rows[1][0], rows[2][0]};
         };
         if (E_tells_radiance(scene, *material)) {
-            shining.albedo(block, *material, vertex, 1);
-            for (const auto& part : shining.parts()) {
-                const Rgb E = irradiance(*part.column, scene.lights[part.light].power, 0);
-                radiance.of_lights[part.light] = row(block.rho) * E * std::numbers::inv_pi;
+            shining.fill_rho(block, *material, 0, 1);
+            if (!kernel::is_seen(shining.view(), 0)) { return; }
+            for (const std::size_t l : shining.lights()) {
+                const Rgb E = irradiance(*transport.columns[l], scene.lights[l].power, 0);
+                radiance.of_lights[l] = row(block.rho) * E * std::numbers::inv_pi;
             }
             return;
         }
         const kernel::PreparedMaterial prepared(*material);
-        shining.begin(block, *material, prepared.reflector, vertex, 1);
+        shining.fill(block, *material, prepared.reflector, 0, 1);
         radiance.own = row(block.L);
-        for (const auto& part : shining.parts()) {
+        for (std::size_t s = 0; s < shining.shares().size(); ++s) {
             for (auto& band : block.L) { band[0] = 0.0; }
-            shining.add(block, prepared.reflector, part, vertex);
-            radiance.of_lights[part.light] = row(block.L);
+            kernel::shine(block,
+                          shining.task(prepared.reflector, shining.shares().subspan(s, 1), nullptr),
+                          0, 1);
+            radiance.of_lights[shining.lights()[s]] = row(block.L);
         }
     };
     // On a thread as shade()'s are: they flush denormals.
@@ -133,9 +136,9 @@ Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
 
     const auto shine = [&](Block& block, const Material& material,
                            const kernel::Reflector& reflector, std::size_t begin, std::size_t end) {
-        shining.begin(block, material, reflector, begin, end - begin);
-        for (const auto& part : shining.parts()) { shining.add(block, reflector, part, begin); }
-        kernel::store(block, rows_of(shaded.radiance), begin);
+        shining.fill(block, material, reflector, begin, end - begin);
+        kernel::shine(block, shining.task(reflector, shining.shares(), rows_of(shaded.radiance)),
+                      begin, end - begin);
     };
     const auto shade_run = [&](Block& block, std::size_t index, std::size_t begin,
                                std::size_t end) {
@@ -147,7 +150,8 @@ Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
         const Material& material = scene.materials[index];
         const bool told = options.radiance && E_tells_radiance(scene, material);
         if (told) {
-            shining.albedo(block, material, begin, end - begin);
+            shining.fill_rho(block, material, begin, end - begin);
+            sums.view = &shining.view();
             sums.radiance = rows_of(shaded.radiance);
             for (std::size_t band = 0; band < 3; ++band) { sums.rho[band] = block.rho[band]; }
         }

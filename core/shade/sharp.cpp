@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <string_view>
 
 namespace relight {
 
@@ -13,12 +14,16 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
     constexpr float lit_at_all = 1e-3F;  // of the brightest
     constexpr std::size_t block = 1 << 14;
     std::vector<float> E(irradiance.size());
+    std::vector<float> brightest_of(E.size() / block + 1);  // each block
     parallel_for(E.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
+        float brightest = 0.0F;
         for (std::size_t v = begin; v < end; ++v) {
             E[v] = static_cast<float>(luminance(to_double(irradiance[v])));
+            brightest = std::max(brightest, E[v]);
         }
+        brightest_of[begin / block] = brightest;
     });
-    const float brightest = E.empty() ? 0.0F : *std::max_element(E.begin(), E.end());
+    const float brightest = *std::max_element(brightest_of.begin(), brightest_of.end());
     const auto is_sharp = [&](std::uint32_t a, std::uint32_t b) {
         const float larger = std::max(E[a], E[b]);
         const float apart = std::abs(E[a] - E[b]);
@@ -54,8 +59,9 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
         }
     });
     std::vector<std::uint32_t> vertices;
-    for (std::size_t v = 0; v < sharp.size(); ++v) {
-        if (sharp[v] != 0) { vertices.push_back(static_cast<std::uint32_t>(v)); }
+    const std::string_view marks(reinterpret_cast<const char*>(sharp.data()), sharp.size());
+    for (auto v = marks.find('\1'); v != std::string_view::npos; v = marks.find('\1', v + 1)) {
+        vertices.push_back(static_cast<std::uint32_t>(v));  // few, and found by memchr
     }
     return vertices;
 }

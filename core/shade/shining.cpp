@@ -1,7 +1,6 @@
 #include "core/shade/shining.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace relight {
 namespace {
@@ -19,7 +18,7 @@ void copy(double (&to)[3], Vec3 from)
     to[2] = from.z;
 }
 
-void fill(double (&rows)[3][block_size], std::size_t i, Vec3 value)
+void set(double (&rows)[3][block_size], std::size_t i, Vec3 value)
 {
     rows[0][i] = value.x;
     rows[1][i] = value.y;
@@ -92,91 +91,69 @@ struct BaseOf {
 Shining::Shining(const Stage& stage, const Transport& transport, const Scene& scene,
                  std::size_t first)
     : stage_(stage),
-      viewer_(viewer_of(scene)),
-      both_sides_(viewer_.two_sided && viewer_.place == kernel::Viewer::Place::AlongNormal),
-      first_(first)
+      scene_(scene),
+      first_(first),
+      view_{reinterpret_cast<const double*>(stage.mesh->positions.data() + first),
+            reinterpret_cast<const double*>(stage.surface->normals.data() + first),
+            viewer_of(scene)}
 {
     for (std::size_t l = 0; l < transport.columns.size(); ++l) {
         if (transport.columns[l] == nullptr) { continue; }
         const Light& light = scene.lights[l];
-        Part part{l, transport.columns[l].get(), nullptr, is_delta(light.shape), {}, {}};
+        kernel::Share share;
+        copy(share.power, vec(light.power));
         const Column* drawn = transport.drawn.empty() ? nullptr : transport.drawn[l].get();
-        if (drawn != nullptr && !drawn->Lo.empty()) { part.Lo = drawn->Lo.data(); }
-        copy(part.power, vec(light.power));
-        if (part.delta) { part.source = source_of(light.shape); }
-        parts_.push_back(part);
+        if (drawn != nullptr && !drawn->Lo.empty()) { share.Lo = drawn->Lo.data(); }
+        if (is_delta(light.shape)) {
+            share.E = transport.columns[l]->E.data();
+            share.source = source_of(light.shape);
+        }
+        shares_.push_back(share);
+        lights_.push_back(l);
     }
 }
 
-void Shining::albedo(Block& block, const Material& material, std::size_t begin,
-                     std::size_t count) const
+void Shining::fill_rho(Block& block, const Material& material, std::size_t begin,
+                       std::size_t count) const
 {
-    block.count = count;
-    fill_rho(block, material, begin);
-    // Along the normal every vertex is seen that has E.
-    if (viewer_.place == kernel::Viewer::Place::AlongNormal) { return; }
-    look(block, begin);
-    kernel::mask_rho(block);
-}
-
-void Shining::begin(Block& block, const Material& material, const kernel::Reflector& reflector,
-                    std::size_t begin, std::size_t count) const
-{
-    block.count = count;
-    look(block, begin);
-    fill_rho(block, material, begin);
-    if (reflector.anisotropic) { fill_axes(block, reflector.turn, begin); }
-    kernel::prepare(block, reflector);
-    fill_all(block.L, count, {});
-    if (emission(material) == Rgb{}) { return; }
+    const Base base = std::visit(BaseOf{}, material);
+    if (!base.from_vertex) { return fill_all(block.rho, count, vec(base.color)); }
     for (std::size_t i = 0; i < count; ++i) {
-        fill(block.L, i, vec(own(block, material, begin, i)));
+        set(block.rho, i, vec(vertex_color(stage_, first_ + begin + i)));
     }
 }
 
-void Shining::add(Block& block, const kernel::Reflector& reflector, const Part& part,
-                  std::size_t begin) const
+void Shining::fill(Block& block, const Material& material, const kernel::Reflector& reflector,
+                   std::size_t begin, std::size_t count) const
 {
-    if (part.delta) { kernel::reflect(block, reflector, part.source, both_sides_); }
-    kernel::add_light(block, part.power, part.Lo, part.delta ? part.column->E.data() : nullptr,
-                      begin - first_);
+    fill_rho(block, material, begin, count);
+    fill_all(block.L, count, {});
+    if (emission(material) != Rgb{}) {
+        for (std::size_t i = 0; i < count; ++i) {
+            set(block.L, i, vec(own(material, first_ + begin + i)));
+        }
+    }
+    if (!reflector.anisotropic) { return; }
+    for (std::size_t i = 0; i < count; ++i) {
+        const Frame frame = shading_frame(*stage_.surface, first_ + begin + i);
+        set(block.x, i, frame.x);
+        set(block.y, i, frame.y);
+    }
 }
 
-void Shining::look(Block& block, std::size_t begin) const
+kernel::Task Shining::task(const kernel::Reflector& reflector,
+                           std::span<const kernel::Share> shares, float* radiance) const
 {
-    kernel::look(block, viewer_, reinterpret_cast<const double*>(stage_.mesh->positions.data()),
-                 reinterpret_cast<const double*>(stage_.surface->normals.data()), begin);
+    const bool along = view_.viewer.place == kernel::Viewer::Place::AlongNormal;
+    return {&reflector, &view_, along && view_.viewer.two_sided, shares, radiance};
 }
 
 /// Seen fronts alone shine.
-Rgb Shining::own(const Block& block, const Material& material, std::size_t begin,
-                 std::size_t i) const
+Rgb Shining::own(const Material& material, std::size_t vertex) const
 {
-    const Vec3 n{block.n[0][i], block.n[1][i], block.n[2][i]};
-    const bool front = dot(n, stage_.surface->normals[begin + i]) > 0.0;
-    return front && block.cos_o[i] > 0.0 ? emission(material, block.cos_o[i]) : Rgb{};
-}
-
-void Shining::fill_rho(Block& block, const Material& material, std::size_t begin) const
-{
-    const Base base = std::visit(BaseOf{}, material);
-    if (!base.from_vertex) { return fill_all(block.rho, block.count, vec(base.color)); }
-    for (std::size_t i = 0; i < block.count; ++i) {
-        fill(block.rho, i, vec(vertex_color(stage_, begin + i)));
-    }
-}
-
-/// The tangent frame on the side that is seen, turned about its normal.
-void Shining::fill_axes(Block& block, double turn, std::size_t begin) const
-{
-    const double c = std::cos(turn), s = std::sin(turn);
-    for (std::size_t i = 0; i < block.count; ++i) {
-        const Frame frame = shading_frame(*stage_.surface, begin + i);
-        const Vec3 n{block.n[0][i], block.n[1][i], block.n[2][i]};
-        const Vec3 x = frame.x, y = dot(n, frame.n) < 0.0 ? Vec3(-frame.y) : Vec3(frame.y);
-        fill(block.x, i, x * c + y * s);
-        fill(block.y, i, y * c - x * s);
-    }
+    const auto seen = seen_vertex(stage_, scene_, vertex);
+    const bool front = seen && dot(seen->receiver.frame.n, stage_.surface->normals[vertex]) > 0.0;
+    return front ? emission(material, seen->wo.z) : Rgb{};
 }
 
 }  // namespace relight

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/shade/kernels.h"
@@ -11,45 +12,35 @@ namespace relight {
 /// The radiance of blocks of vertices of one material, from columns, by the kernels.
 class Shining {
   public:
-    /// What a light brings.
-    struct Part {
-        std::size_t light;  ///< in the scene
-        const Column* column;
-        const float* Lo;  ///< null: nothing was drawn
-        bool delta;
-        double power[3];
-        kernel::Source source;  ///< of a delta light
-    };
-
-    /// All outlive this. `first`: the vertex whose values the columns begin with.
+    /// All outlive this. `first`: the vertex whose values the columns begin with; vertices are
+    /// counted from it.
     Shining(const Stage& stage, const Transport& transport, const Scene& scene, std::size_t first);
 
-    const std::vector<Part>& parts() const { return parts_; }
+    /// What each light that has a column brings, and which of the scene's it is.
+    std::span<const kernel::Share> shares() const { return shares_; }
+    const std::vector<std::size_t>& lights() const { return lights_; }
 
-    /// Of a Lambertian material whose E tells its radiance: rho of the vertices [begin, begin +
-    /// count), 0 where they are not seen.
-    void albedo(kernel::Block& block, const Material& material, std::size_t begin,
-                std::size_t count) const;
+    const kernel::View& view() const { return view_; }
 
-    /// Of another: L is what the vertices send out by themselves; and all that the lights share.
-    void begin(kernel::Block& block, const Material& material, const kernel::Reflector& reflector,
-               std::size_t begin, std::size_t count) const;
-    /// Adds to L what they owe to one light.
-    void add(kernel::Block& block, const kernel::Reflector& reflector, const Part& part,
-             std::size_t begin) const;
+    /// block.rho of the vertices [begin, begin + count).
+    void fill_rho(kernel::Block& block, const Material& material, std::size_t begin,
+                  std::size_t count) const;
+    /// And what else is known of them without their lights; L is what they send out by themselves.
+    void fill(kernel::Block& block, const Material& material, const kernel::Reflector& reflector,
+              std::size_t begin, std::size_t count) const;
+    /// How `shares` light such vertices.
+    kernel::Task task(const kernel::Reflector& reflector, std::span<const kernel::Share> shares,
+                      float* radiance) const;
 
   private:
-    void look(kernel::Block& block, std::size_t begin) const;
-    Rgb own(const kernel::Block& block, const Material& material, std::size_t begin,
-            std::size_t i) const;
-    void fill_rho(kernel::Block& block, const Material& material, std::size_t begin) const;
-    void fill_axes(kernel::Block& block, double turn, std::size_t begin) const;
+    Rgb own(const Material& material, std::size_t vertex) const;
 
     const Stage& stage_;
-    kernel::Viewer viewer_;
-    bool both_sides_;
+    const Scene& scene_;
     std::size_t first_;
-    std::vector<Part> parts_;
+    kernel::View view_;
+    std::vector<kernel::Share> shares_;
+    std::vector<std::size_t> lights_;
 };
 
 }  // namespace relight

@@ -7,16 +7,15 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <new>
 #include <numeric>
 #include <optional>
-#include <stdexcept>
 #include <tuple>
 #include <vector>
 
 #include "core/trace/extent.h"
 #include "core/trace/occluders.h"
 #include "core/trace/shadow_stream.h"
+#include "core/trace/tree.h"
 
 namespace relight {
 namespace {
@@ -81,46 +80,16 @@ RTCRayNp embree_rays(RayFields& f)
     return rays;
 }
 
-RTCDevice device()
-{
-    static const RTCDevice shared = [] {
-        RTCDevice d = rtcNewDevice(nullptr);
-        if (d == nullptr) { throw std::runtime_error("Embree has no device"); }
-        return d;
-    }();
-    return shared;
-}
-
-bool has(RTCDeviceProperty property)
-{
-    return rtcGetDeviceProperty(device(), property) != 0;
-}
-
-/// Streams gain on AVX2 and AVX-512 and lose before (limits.md). Embree does not tell AVX from
-/// AVX2: it has eight lanes for both.
-RayPattern fastest_pattern()
-{
-    const bool avx2 = has(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) &&
-                      __builtin_cpu_supports("avx2") != 0;  // int in gcc, bool in clang
-    return avx2 && has(RTC_DEVICE_PROPERTY_RAY_STREAM_SUPPORTED) ? RayPattern::Streams
-                                                                 : RayPattern::OneByOne;
-}
-
-void must_be_well(const Progress& progress)
-{
-    const RTCError error = rtcGetDeviceError(device());
-    if (error == RTC_ERROR_NONE || (error == RTC_ERROR_CANCELLED && progress.stopped())) { return; }
-    if (error == RTC_ERROR_OUT_OF_MEMORY) { throw std::bad_alloc(); }
-    throw std::runtime_error("Embree error " + std::to_string(error));
-}
-
 }  // namespace
 
 struct Bvh::Impl {
-    RTCScene scene = nullptr;
-    TreeQuality quality = TreeQuality::Good;
-    RayPattern pattern = fastest_pattern();
-    Occluders occluders;
+    RTCScene scene() const { return tree.get(); }
+
+    std::shared_ptr<const Occluders> shared;
+    const Occluders& occluders = *shared;
+    TreeQuality quality;
+    RayPattern pattern;
+    Tree tree;
     Extent extent;  // of all that casts shadows, around the box's centre
 
     /// What Embree hands to confirm(): the rays asked for; an RTCRay's id is its place among them.
@@ -129,6 +98,7 @@ struct Bvh::Impl {
         {
             rtcInitIntersectContext(this);
             flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+            filter = confirm;
         }
         ExactRay asked(unsigned ray) const
         {
@@ -149,58 +119,9 @@ struct Bvh::Impl {
         std::function<void(std::uint32_t ray, std::uint32_t primitive)> notes;
     };
 
-    Impl() = default;
-    Impl(const Impl&) = delete;
-    Impl& operator=(const Impl&) = delete;
-    ~Impl()
+    Impl(std::shared_ptr<const Occluders> o, TreeQuality q, RayPattern p)
+        : shared(std::move(o)), quality(q), pattern(p)
     {
-        if (scene != nullptr) { rtcReleaseScene(scene); }
-    }
-
-    RTCGeometry triangles() const
-    {
-        RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   occluders.vertices.data(), 0, 3 * sizeof(float),
-                                   occluders.mesh->positions.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   occluders.surface->triangles.data(), 0, sizeof(Triangle),
-                                   occluders.count());
-        return geometry;
-    }
-
-    RTCGeometry discs() const
-    {
-        RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                                   occluders.vertices.data(), 0, 4 * sizeof(float),
-                                   occluders.count());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3,
-                                   occluders.normals.data(), 0, 3 * sizeof(float),
-                                   occluders.count());
-        return geometry;
-    }
-
-    void build(Progress& progress)
-    {
-        const auto goes_on = [](void* asked, double /*share*/) {
-            return !static_cast<const Progress*>(asked)->stopped();
-        };
-        const RTCBuildQuality care =
-            quality == TreeQuality::Fast ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
-        scene = rtcNewScene(device());
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(scene, care);
-        rtcSetSceneProgressMonitorFunction(scene, goes_on, &progress);
-        RTCGeometry geometry = occluders.is_cloud() ? discs() : triangles();
-        rtcSetGeometryBuildQuality(geometry, care);
-        rtcSetGeometryIntersectFilterFunction(geometry, confirm);
-        rtcSetGeometryOccludedFilterFunction(geometry, confirm);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(scene, geometry);
-        rtcReleaseGeometry(geometry);
-        rtcCommitScene(scene);
-        must_be_well(progress);
     }
 
     /// Embree's filter: asked about each hit it finds. Strikes out those that are none in double,
@@ -269,7 +190,7 @@ struct Bvh::Impl {
             RTCRay ray = embree_ray(occluders.box.ray(near[k]), static_cast<unsigned>(k));
             ray.tnear = std::max(ray.tnear, found[k].ray.tfar - apart);
             ray.tfar = std::min(ray.tfar, found[k].ray.tfar + apart);
-            rtcOccluded1(scene, &query, &ray);
+            rtcOccluded1(scene(), &query, &ray);
         }
     }
 
@@ -293,7 +214,7 @@ struct Bvh::Impl {
         }
         Query query(*this);
         query.rays = near;
-        for (std::size_t k = 0; k < count; ++k) { rtcIntersect1(scene, &query, &found[k]); }
+        for (std::size_t k = 0; k < count; ++k) { rtcIntersect1(scene(), &query, &found[k]); }
         std::array<std::optional<Hit>, most> first;
         tell_apart<most>({near.data(), count}, {asked.data(), count}, {found.data(), count}, first);
         for (std::size_t k = 0; k < count; ++k) {
@@ -315,39 +236,37 @@ struct Bvh::Impl {
     }
 };
 
-TreeQuality tree_for(std::uint64_t rays, std::uint64_t primitives)
-{
-    // Measured, 2 M triangles: Fast takes 0.47 s less of a processor to build and loses that again
-    // at 9.4 M rays (limits.md: 14 M). Discs are built alike at either quality.
-    constexpr std::uint64_t rays_a_primitive = 5;
-    return rays / rays_a_primitive < primitives ? TreeQuality::Fast : TreeQuality::Good;
-}
-
 Bvh::Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale)
-    : impl_(std::make_unique<Impl>())
 {
     Progress never_stopped;
     *this = Bvh(mesh, surface, point_radius_scale, TreeQuality::Good, never_stopped);
 }
 
 Bvh::Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale, TreeQuality quality,
-         Progress& progress)
-    : impl_(std::make_unique<Impl>())
+         Progress& progress, RayPattern pattern)
+    : Bvh(std::shared_ptr<const Mesh>(std::shared_ptr<void>(), &mesh),
+          std::shared_ptr<const Surface>(std::shared_ptr<void>(), &surface), point_radius_scale,
+          quality, progress, pattern)
 {
-    Impl& b = *impl_;
-    b.quality = quality;
-    b.occluders = Occluders(mesh, surface, point_radius_scale, progress);
-    box_ = b.occluders.box;
+}
+
+Bvh::Bvh(const std::shared_ptr<const Mesh>& mesh, const std::shared_ptr<const Surface>& surface,
+         double point_radius_scale, TreeQuality quality, Progress& progress, RayPattern pattern)
+{
+    auto occluders = std::make_shared<const Occluders>(mesh, surface, point_radius_scale, progress);
+    box_ = occluders->box;
     const double half = 1.0 / box_.scale;
-    clearance_.least = std::max(least_offset * half, offset_per_quantum * surface.quantum);
+    clearance_.least = std::max(least_offset * half, offset_per_quantum * surface->quantum);
     clearance_.most = largest_offset * half;
-    if (b.occluders.is_cloud()) {
+    if (occluders->is_cloud()) {
         clearance_.from_per_spacing = radii_ignored * point_radius_scale;
     } else {
         clearance_.offset_per_spacing = offset_per_edge;
     }
-    b.extent = extent_of(mesh, surface, box_.centre, point_radius_scale, progress);
-    if (!progress.stopped()) { b.build(progress); }
+    impl_ = std::make_unique<Impl>(std::move(occluders), quality, pattern);
+    Impl& b = *impl_;
+    b.extent = extent_of(*mesh, *surface, box_.centre, point_radius_scale, progress);
+    if (!progress.stopped()) { b.tree = build_tree(b.shared, quality, progress); }
 }
 
 Bvh::Bvh(Bvh&&) noexcept = default;
@@ -361,14 +280,14 @@ void Bvh::trace(RayFields& rays, std::span<std::uint8_t> blocked) const
     query.fields = &rays;
     if (b.pattern == RayPattern::Streams) {
         RTCRayNp stream = embree_rays(rays);
-        rtcOccludedNp(b.scene, &query, &stream, static_cast<unsigned>(blocked.size()));
+        rtcOccludedNp(b.scene(), &query, &stream, static_cast<unsigned>(blocked.size()));
     } else {
         for (unsigned i = 0; i < blocked.size(); ++i) {
             if (rays.tfar[i] < 0.0F) { continue; }  // passed over
             RTCRay ray = embree_ray({rays.org_x[i], rays.org_y[i], rays.org_z[i], rays.tnear[i],
                                      rays.dir_x[i], rays.dir_y[i], rays.dir_z[i], rays.tfar[i]},
                                     i);
-            rtcOccluded1(b.scene, &query, &ray);
+            rtcOccluded1(b.scene(), &query, &ray);
             rays.tfar[i] = ray.tfar;
         }
     }
@@ -416,7 +335,7 @@ std::vector<std::uint32_t> Bvh::points_along(const ShadowRay& ray) const
         met.push_back(b.occluders.point(disc));
     };
     RTCRay r = embree_ray(box().ray(*begun), 0);
-    rtcOccluded1(b.scene, &query, &r);
+    rtcOccluded1(b.scene(), &query, &r);
     std::sort(met.begin(), met.end());
     return met;
 }
@@ -439,25 +358,7 @@ TreeQuality Bvh::quality() const
 std::uint64_t Bvh::bytes() const
 {
     const Impl& b = *impl_;
-    // Of Embree's tree, measured at a million vertices or points.
-    const bool fast = b.quality == TreeQuality::Fast;
-    const std::uint64_t per_primitive = b.occluders.is_cloud() ? 38 : fast ? 90 : 67;
-    return b.occluders.bytes() + per_primitive * b.occluders.count();
-}
-
-void Bvh::use(RayPattern pattern)
-{
-    impl_->pattern = pattern;
-}
-
-std::string Bvh::kernel()
-{
-    const auto version = rtcGetDeviceProperty(device(), RTC_DEVICE_PROPERTY_VERSION);
-    std::string name = "Embree " + std::to_string(version / 10000) + "." +
-                       std::to_string(version / 100 % 100) + "." + std::to_string(version % 100);
-    if (has(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) { return name + ", AVX-512"; }
-    if (has(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) { return name + ", AVX or AVX2"; }
-    return name + ", SSE";
+    return b.occluders.bytes() + tree_bytes(b.occluders, b.quality);
 }
 
 }  // namespace relight

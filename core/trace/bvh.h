@@ -40,20 +40,30 @@ enum class RayPattern {
     Streams,   ///< rtcOccludedNp, incoherent: the fastest from AVX2 on
 };
 
+/// The fastest for this machine's instruction set.
+RayPattern fastest_pattern();
+
 /// Embree's acceleration structure over a surface's triangles, or over its points as oriented discs
 /// when it has no triangles. Coordinates are recentred and scaled to the unit box (a power of two)
 /// in double before they become float, so position and size of the model do not matter. Where
 /// floats cannot tell on which side of a triangle a ray begins or ends, doubles do, so that a
 /// millimetre beside a wall of kilometres is a millimetre. Immutable; any number of threads may ask
-/// at once. Rays must be finite. Mesh and surface must outlive it (Stage).
+/// at once. Rays must be finite.
 class Bvh {
   public:
     /// @param point_radius_scale radius of a cloud's discs in units of the local spacing
-    Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale = 1.5);
-    /// @param progress ends the building soon after it is stopped; what is there then
-    /// (progress.stopped()) is not to be asked
+    /// @param progress ends the building at once when it is stopped; what is there then
+    /// (progress.stopped()) is not to be asked. Embree may stop later: mesh and surface live on
+    /// until it has.
+    Bvh(const std::shared_ptr<const Mesh>& mesh, const std::shared_ptr<const Surface>& surface,
+        double point_radius_scale, TreeQuality quality, Progress& progress,
+        RayPattern pattern = fastest_pattern());
+    /// The same of a mesh and a surface that the caller keeps. When it is stopped, it ends no
+    /// sooner than Embree does: 0.1 s for two million triangles.
     Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale, TreeQuality quality,
-        Progress& progress);
+        Progress& progress, RayPattern pattern = fastest_pattern());
+    /// Good, and never stopped.
+    Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale = 1.5);
     Bvh(Bvh&&) noexcept;
     Bvh& operator=(Bvh&&) noexcept;
     ~Bvh();
@@ -88,8 +98,6 @@ class Bvh {
     TreeQuality quality() const;
     std::uint64_t bytes() const;                 ///< memory held
     const UnitBox& box() const { return box_; }  ///< in which rays are traced
-    /// The fastest for this machine's instruction set, unless told otherwise (by a test).
-    void use(RayPattern pattern);
 
     /// Version and instruction set of the ray kernel: "Embree 3.13.5, AVX2".
     static std::string kernel();

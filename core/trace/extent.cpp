@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
+
+#include "core/geometry/filled.h"
 
 namespace relight {
 namespace {
@@ -21,17 +24,22 @@ Extent::Extent(std::span<const Dir3> favoured)
         const int x = i / 9 - 1, y = i / 3 % 3 - 1, z = i % 3 - 1;
         slabs_.push_back({Vec3{1.0 * x, 1.0 * y, 1.0 * z}, infinity, -infinity});
     }
+    for (const Dir3 n : favoured) {
+        if (!favour(n)) { break; }
+    }
+}
+
+bool Extent::favour(Dir3 n)
+{
     // Normals of one plane differ by roundings: a direction this close to one we have is that one.
     constexpr double same = 1e-12;
-    for (const Dir3 n : favoured) {
-        if (slabs_.size() == lattice_slabs + most_favoured) { break; }
-        const auto is_same = [&](const Slab& s) {
-            return length(cross(s.along, n)) < same * length(s.along);
-        };
-        if (n && std::none_of(slabs_.rbegin(), slabs_.rend(), is_same)) {  // likely the last
-            slabs_.push_back({n, infinity, -infinity});
-        }
+    const auto is_same = [&](const Slab& s) {
+        return length(cross(s.along, n)) < same * length(s.along);
+    };
+    if (n && std::none_of(slabs_.rbegin(), slabs_.rend(), is_same)) {  // likely the last
+        slabs_.push_back({n, infinity, -infinity});
     }
+    return slabs_.size() < lattice_slabs + most_favoured;
 }
 
 void Extent::add(Vec3 place, double radius, Dir3 normal)
@@ -92,13 +100,23 @@ void Extent::add(const Extent& other)
 Extent extent_of(const Mesh& mesh, const Surface& surface, Point3 centre, double point_radius_scale,
                  Progress& progress)
 {
-    constexpr std::size_t block = 1 << 13;  // places; milliseconds
-    const Extent nothing(surface.normals);
-    const bool cloud = surface.triangles.empty();
-    std::vector<std::uint8_t> used(cloud ? 0 : mesh.positions.size());
-    for (const Triangle& t : surface.triangles) {
-        for (const unsigned v : t) { used[v] = 1; }
+    constexpr std::size_t block = 1 << 13;  // places or triangles; milliseconds
+    Extent nothing;
+    for (std::size_t i = 0; i < surface.normals.size(); ++i) {
+        if ((i % block == 0 && progress.stopped()) || !nothing.favour(surface.normals[i])) {
+            break;
+        }
     }
+    const bool cloud = surface.triangles.empty();
+    auto used = filled<std::uint8_t>(cloud ? 0 : mesh.positions.size(), progress);
+    parallel_for(surface.triangles.size(), block, 0, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                     for (std::size_t t = begin; t < end; ++t) {
+                         for (const unsigned v : surface.triangles[t]) {
+                             std::atomic_ref(used[v]).store(1, std::memory_order_relaxed);
+                         }
+                     }
+                 });
     Extent whole = nothing;
     std::mutex joining;
     parallel_for(

@@ -26,6 +26,9 @@ class Extent {
     /// as `most_favoured`
     explicit Extent(std::span<const Dir3> favoured = {});
 
+    /// One more of them, while nothing was added. False: it has all that it keeps.
+    bool favour(Dir3 n);
+
     /// Takes in a disc of this radius around a place; radius 0: the place alone.
     void add(Vec3 place, double radius = 0.0, Dir3 normal = {});
 

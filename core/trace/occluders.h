@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct ExactRay {
 /// What casts shadows, twice: in floats and in the unit box, as Embree takes it, and as filed, in
 /// double. A surface's triangles; or, when it has none, its points as oriented discs.
 struct Occluders {
-    const Mesh* mesh = nullptr;
-    const Surface* surface = nullptr;
+    std::shared_ptr<const Mesh> mesh;
+    std::shared_ptr<const Surface> surface;
     double point_radius_scale = 0.0;
     UnitBox box;
     std::vector<float> vertices;  ///< xyz, or xyzr of discs; one spare at the end for Embree
@@ -31,8 +32,8 @@ struct Occluders {
     std::vector<std::uint32_t> disc_point;  ///< point of each disc; empty: the same index
 
     Occluders() = default;
-    Occluders(const Mesh& mesh, const Surface& surface, double point_radius_scale,
-              Progress& progress);
+    Occluders(std::shared_ptr<const Mesh> mesh, std::shared_ptr<const Surface> surface,
+              double point_radius_scale, Progress& progress);
 
     bool is_cloud() const { return surface->triangles.empty(); }
     /// Triangles, or discs.
@@ -72,6 +73,8 @@ struct Occluders {
     static constexpr double float_slack = 1e-6;
 
   private:
+    /// How many points have one; disc_point, if not all do.
+    std::size_t find_discs(Progress& progress);
     bool is_met_in_double(const ExactRay& asked, std::uint32_t primitive) const;
 };
 

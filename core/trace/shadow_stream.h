@@ -13,8 +13,9 @@ namespace relight {
 /// Rays field by field, as Embree's fastest call and vector code take them: as floats in the unit
 /// box, and as they were asked for, in double, for hits that floats cannot tell.
 struct alignas(64) RayFields {
-    static constexpr std::size_t capacity = 256;  // from 64 on the number makes no difference
-    static constexpr std::size_t spare = 16;      // for vectors that are stored whole
+    // A million vertices take 6 to 10 % less time than with 64 or 256, a hundred thousand as long.
+    static constexpr std::size_t capacity = 1024;
+    static constexpr std::size_t spare = 16;  // for vectors that are stored whole
     template <class T>
     using Field = std::array<T, capacity + spare>;
 
@@ -24,8 +25,8 @@ struct alignas(64) RayFields {
 };
 
 /// Shadow rays that come one by one and are traced together, which is where Embree is fastest. Each
-/// is written as Embree takes it when it is put; the answers are those of Bvh::occluded. Some tens
-/// of kilobytes: one a block of work, not one a vertex. Owned by one thread.
+/// is written as Embree takes it when it is put; the answers are those of Bvh::occluded. A hundred
+/// kilobytes: one a block of work, not one a vertex. Owned by one thread.
 class ShadowStream {
   public:
     static constexpr std::size_t capacity = RayFields::capacity;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -14,14 +15,25 @@ namespace {
 
 constexpr std::size_t most_paths = 4096;  // followed together
 
-/// E of a light of one colour with nothing in the way, on the sides that receive.
-double closed(const Source& source, const Receiver& receiver)
+/// E of a light of one colour with nothing in the way, on the sides that receive. Of no direction
+/// it is no number that has a meaning.
+std::vector<double> closed(const Source& source, std::span<const Receiver> receivers)
 {
-    const auto E = [&](Dir3 n) {
-        return closed_irradiance(source.light.shape, receiver.p, n).value_or(0.0);
-    };
-    const Dir3 n = receiver.frame.n;
-    return source.scene.transport.two_sided ? E(n) + E(-n) : E(n);
+    std::vector<Point3> places;
+    std::vector<Dir3> normals;
+    for (const Receiver& receiver : receivers) {
+        places.push_back(receiver.p);
+        normals.push_back(receiver.frame.n);
+    }
+    std::vector<double> E(places.size());
+    closed_irradiance(source.light.shape, places, normals, E);
+    if (source.scene.transport.two_sided) {
+        for (Dir3& n : normals) { n = -n; }
+        std::vector<double> behind(places.size());
+        closed_irradiance(source.light.shape, places, normals, behind);
+        for (std::size_t i = 0; i < E.size(); ++i) { E[i] += behind[i]; }
+    }
+    return E;
 }
 
 /// No part of the model rises above the receiver's plane: nothing can be in its way.
@@ -58,43 +70,48 @@ struct Sums {
     }
 };
 
-/// Rays of lights of one colour, and others.
-struct Queues {
-    RayQueue<double> grey;
-    RayQueue<Rgb> colored;
-
-    explicit Queues(const Bvh& bvh) : grey(bvh), colored(bvh) {}
-};
-
-/// Draws the points [begin, end) of each replicate for every vertex.
-void draw(const Source& source, std::span<Sampling> vertices, Sums& sums, unsigned begin,
-          unsigned end, Queues& queues)
+/// Draws the points [begin, end) of each replicate of the direct light of one colour for every
+/// vertex. Returns rays traced.
+std::uint64_t draw_grey(const Source& source, std::span<Sampling> vertices, Sums& sums,
+                        unsigned begin, unsigned end, ShadowStream& stream)
 {
-    const LightShape& shape = source.light.shape;
+    std::vector<GreyVertex> grey;
+    for (Sampling& vertex : vertices) {
+        if (!vertex.direct) { continue; }
+        grey.push_back(
+            {&vertex.receiver, sums.of(sums.lit, vertex), sums.of(sums.all, vertex), &vertex.rays});
+    }
+    return gather_irradiance(source, grey, lanes_of(sums.replicates, begin, end), stream);
+}
+
+/// Of skies of a map.
+std::uint64_t draw_dome(const Source& source, const Dome& dome, std::span<Sampling> vertices,
+                        Sums& sums, unsigned begin, unsigned end, ShadowStream& stream)
+{
+    std::vector<ColoredVertex> colored;
+    for (Sampling& vertex : vertices) {
+        colored.push_back({&vertex.receiver, sums.of(sums.colored, vertex), &vertex.seen});
+    }
+    return gather_dome(source, dome, colored, sums.replicates, begin, end, stream);
+}
+
+/// The same points of other lights, and of bounces.
+void draw_colored(const Source& source, bool by_dome, std::span<Sampling> vertices, Sums& sums,
+                  unsigned begin, unsigned end, RayQueue<Rgb>& queue)
+{
     const unsigned bounces = source.scene.transport.bounces;
-    const bool even = is_even_sky(shape);
     const Response cosine(source.scene.transport.two_sided);
-    const std::vector<Lanes> lanes = lanes_of(sums.replicates, begin, end);
     std::vector<Path> paths;
     for (Sampling& vertex : vertices) {
         const Receiver& receiver = vertex.receiver;
         const Sequence sequence = source.sequence(receiver);
         const std::span<Rgb> colored = sums.of(sums.colored, vertex);
         const std::span<Rgb> bounced = sums.of(sums.bounced, vertex);
-        if (vertex.direct) {
-            const LightView seen = view(shape, receiver.p);
-            if (colored.empty()) {
-                vertex.rays += gather_irradiance(source, receiver, seen, sequence, lanes,
-                                                 sums.of(sums.lit, vertex),
-                                                 sums.of(sums.all, vertex), queues.grey);
-            } else if (even) {
-                gather_irradiance(source, receiver, std::get<EnvironmentView>(seen), sequence,
-                                  lanes, colored, vertex.seen, queues.colored);
-            } else {
-                for (unsigned r = 0; r < sums.replicates; ++r) {
-                    gather_direct(source, receiver, seen, cosine, sequence.replicate(r), begin, end,
-                                  colored[r], &vertex.seen, queues.colored);
-                }
+        if (vertex.direct && !colored.empty() && !by_dome) {
+            const LightView seen = view(source.light.shape, receiver.p);
+            for (unsigned r = 0; r < sums.replicates; ++r) {
+                gather_direct(source, receiver, seen, cosine, sequence.replicate(r), begin, end,
+                              colored[r], &vertex.seen, queue);
             }
         }
         for (unsigned r = 0; r < bounced.size(); ++r) {
@@ -103,12 +120,11 @@ void draw(const Source& source, std::span<Sampling> vertices, Sums& sums, unsign
             }
         }
         if (paths.size() >= most_paths) {
-            follow(source, std::exchange(paths, {}), bounces, queues.colored);
+            follow(source, std::exchange(paths, {}), bounces, queue);
         }
     }
-    follow(source, std::move(paths), bounces, queues.colored);
-    queues.grey.flush();
-    queues.colored.flush();
+    follow(source, std::move(paths), bounces, queue);
+    queue.flush();
 }
 
 /// Writes what a vertex's samples say into the column; returns its largest standard error.
@@ -156,13 +172,19 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     const Stage& stage = source.stage;
     const TransportOptions& options = source.scene.transport;
     const bool delta = is_delta(source.light.shape), grey = is_grey(source.light.shape);
+    std::vector<Receiver> receivers;
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        receivers.push_back(vertex_receiver(stage, of[i]));
+    }
+    std::vector<double> exact;
+    if (grey && !delta) { exact = closed(source, receivers); }
     std::vector<Sampling> vertices;
     for (std::size_t i = 0; i < of.size(); ++i) {
-        const Receiver receiver = vertex_receiver(stage, of[i]);
+        const Receiver& receiver = receivers[i];
         if (!receiver.frame.n) { continue; }
         Sampling vertex{i, vertices.size(), receiver, 0.0, !delta, 0, {}};
         if (grey && !delta) {
-            vertex.closed = closed(source, receiver);
+            vertex.closed = exact[i];
             const bool nothing = vertex.closed == 0.0;
             if (nothing || !source.shadowed() || is_open(source, receiver)) {
                 column.E[vertex.at] = static_cast<float>(vertex.closed);
@@ -179,14 +201,22 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     if (!delta && grey) { sums.lit.resize(all), sums.all.resize(all); }
     if (!delta && !grey) { sums.colored.resize(all); }
     if (options.bounces > 0) { sums.bounced.resize(all); }
-    Queues queues(*stage.bvh);
+    std::optional<ShadowStream> stream;  // tens of kilobytes: only those that have a use
+    std::optional<RayQueue<Rgb>> queue;
+    const std::optional<Dome> dome = dome_of(source.light.shape);
+    if (!sums.lit.empty() || dome) { stream.emplace(*stage.bvh); }
+    if ((!sums.colored.empty() && !dome) || !sums.bounced.empty()) { queue.emplace(*stage.bvh); }
     unsigned drawn = 0;
     std::span<Sampling> active(vertices);
     while (!active.empty() && drawn < budget.each) {
         const unsigned until = options.target_standard_error
                                    ? std::min(budget.each, std::max(2U, 2 * drawn))
                                    : budget.each;
-        draw(source, active, sums, drawn, until, queues);
+        if (!sums.lit.empty()) {
+            column.rays += draw_grey(source, active, sums, drawn, until, *stream);
+        }
+        if (dome) { column.rays += draw_dome(source, *dome, active, sums, drawn, until, *stream); }
+        if (queue) { draw_colored(source, dome.has_value(), active, sums, drawn, until, *queue); }
         drawn = until;
         const auto unsettled = std::partition(active.begin(), active.end(), [&](const Sampling& v) {
             const Rgb error = settle(v, sums, drawn, column) * source.light.power;
@@ -195,7 +225,7 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
         });
         active = {active.begin(), unsettled};
     }
-    column.rays += queues.grey.traced() + queues.colored.traced();
+    if (queue) { column.rays += queue->traced(); }
 }
 
 }  // namespace
@@ -208,7 +238,7 @@ Column direct_and_bounced(const Source& source, Vertices vertices)
     Column column;
     column.bands = is_grey(source.light.shape) ? 1 : 3;
     column.E.resize(count * column.bands);
-    column.visible.share.resize(count);
+    if (!delta) { column.visible.share.resize(count); }
     if (bounces) { column.E_bounced.resize(count * 3); }
     if (bounces || !delta) { column.standard_error.resize(count * (bounces ? 3 : column.bands)); }
     if (delta) { fill_delta(source, vertices, column); }

@@ -7,13 +7,21 @@
 
 namespace relight {
 
-/// Some vertices, by index: a block of a column is made of them, in their order.
-using Vertices = std::span<const std::uint32_t>;
+/// Some vertices in some order, of which a block of a column is made.
+struct Vertices {
+    std::span<const std::uint32_t> ids;  ///< in the file
+    const VertexFields* fields;          ///< what they are: from `first` on, in the same order
+    std::size_t first = 0;
 
-/// E, visibility, bounces and their error of one light. Visibility comes as shares.
+    std::size_t size() const { return ids.size(); }
+    std::size_t operator[](std::size_t i) const { return ids[i]; }
+};
+
+/// E, visibility, bounces and their error of one light. Visibility comes as shares, of a delta
+/// light as the sign of E: -0 where it is not seen.
 Column direct_and_bounced(const Source& source, Vertices vertices);
 
-/// The direct part of a delta light: one ray a vertex that faces it. The column has its size.
+/// The direct part of a delta light, E: one ray a vertex that faces it. The column has its size.
 void fill_delta(const Source& source, Vertices vertices, Column& column);
 
 /// Some vertex may send light toward the viewer that its E does not tell.

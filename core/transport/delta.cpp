@@ -31,27 +31,9 @@ DeltaGeometry geometry_of(const Source& source)
     return light;
 }
 
-void take(const Stage& stage, Vertices vertices, DeltaBlock& block)
-{
-    const Surface& surface = *stage.surface;
-    block.count = vertices.size();
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const std::size_t v = vertices[i];
-        const Point3& p = stage.mesh->positions[v];
-        const Dir3& n = surface.normals[v];
-        block.p_x[i] = p.x;
-        block.p_y[i] = p.y;
-        block.p_z[i] = p.z;
-        block.n_x[i] = n.x();
-        block.n_y[i] = n.y();
-        block.n_z[i] = n.z();
-        block.spacing[i] = static_cast<double>(surface.spacing[v]);
-    }
-}
-
 /// light_up() one by one, and its reference.
-std::size_t light_up_plainly(const Source& source, Vertices vertices, DeltaBlock& block,
-                             ShadowStream* rays)
+std::size_t light_up_plainly(const Source& source, std::span<const std::uint32_t> vertices,
+                             RayFields::Field<float>& E, ShadowStream* rays)
 {
     const Stage& stage = source.stage;
     const TransportOptions& options = source.scene.transport;
@@ -62,10 +44,8 @@ std::size_t light_up_plainly(const Source& source, Vertices vertices, DeltaBlock
         const double cos_n = dot(receiver.frame.n, arrival.wi);
         const double cos_i = options.two_sided ? std::abs(cos_n) : cos_n;
         const bool faces = cos_i > 0.0;  // behind the surface: no light, no ray
-        block.faces[i] = faces ? 1.0F : 0.0F;
-        block.E[i] =
-            faces ? static_cast<float>(cos_i * per_unit_m2(arrival, source.scene.length_unit_m))
-                  : 0.0F;
+        E[i] = faces ? static_cast<float>(cos_i * per_unit_m2(arrival, source.scene.length_unit_m))
+                     : -0.0F;
         if (rays == nullptr) { continue; }
         if (faces) {
             rays->put(shadow_ray(*stage.bvh, receiver, arrival.wi, arrival.distance, options));
@@ -87,25 +67,22 @@ void fill_delta(const Source& source, Vertices vertices, Column& column)
     const bool inverse_square = light.distant || (point != nullptr && !point->range);
     ShadowStream stream(*source.stage.bvh);
     ShadowStream* rays = source.shadowed() ? &stream : nullptr;
-    DeltaBlock block;
-    for (std::size_t begin = 0; begin < vertices.size(); begin += DeltaBlock::capacity) {
-        const Vertices some =
-            vertices.subspan(begin, std::min(DeltaBlock::capacity, vertices.size() - begin));
-        take(source.stage, some, block);
-        if (is_moderate(light, block)) {
-            for (std::size_t i = 0; !inverse_square && i < some.size(); ++i) {
-                block.per_unit[i] = arrive(shape, source.stage.mesh->positions[some[i]]).per_unit;
-            }
-            column.rays += light_up(light, inverse_square, block, rays);
-        } else {
-            column.rays += light_up_plainly(source, some, block, rays);
+    RayFields::Field<double> per_unit;
+    RayFields::Field<float> E;
+    constexpr std::size_t block = ShadowStream::capacity;
+    for (std::size_t begin = 0; begin < vertices.size(); begin += block) {
+        const std::size_t first = vertices.first + begin;
+        const std::size_t count = std::min(block, vertices.size() - begin);
+        for (std::size_t i = 0; !inverse_square && i < count; ++i) {
+            per_unit[i] = arrive(shape, vertices.fields->p(first + i)).per_unit;
         }
+        const auto lit = light_up(light, *vertices.fields, first, count,
+                                  inverse_square ? nullptr : &per_unit, E, rays);
+        column.rays +=
+            lit ? *lit : light_up_plainly(source, vertices.ids.subspan(begin, count), E, rays);
         const auto blocked = stream.trace();
-        for (std::size_t i = 0; i < blocked.size(); ++i) {
-            if (blocked[i] != 0) { block.E[i] = block.faces[i] = 0.0F; }
-        }
-        std::copy_n(block.E.begin(), some.size(), &column.E[begin]);
-        std::copy_n(block.faces.begin(), some.size(), &column.visible.share[begin]);
+        for (std::size_t i = 0; i < blocked.size(); ++i) { E[i] = blocked[i] != 0 ? -0.0F : E[i]; }
+        std::copy_n(E.begin(), count, &column.E[begin]);
     }
 }
 

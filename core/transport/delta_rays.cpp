@@ -4,6 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/transport/delta_rays.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -41,9 +42,28 @@ HWY_INLINE Vectors operator*(Vectors a, Double s)
 {
     return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
 }
-HWY_INLINE Vectors operator/(Vectors a, Double s)
+
+/// What many numbers are divided by. A division takes as long as thirty products. Where there are
+/// fused ones a quotient is the product with the inverse, corrected twice by its remainder: rounded
+/// as the division is (Markstein 1990), but that -0 may turn into 0 and that numbers below 1e-290,
+/// whose remainders vanish, lose last bits.
+struct Divisor {
+    Double d, inverse;
+    HWY_INLINE explicit Divisor(Double by) : d(by), inverse(hn::Div(set(1.0), by)) {}
+};
+HWY_INLINE Double operator/(Double x, const Divisor& by)
 {
-    return {hn::Div(a.x, s), hn::Div(a.y, s), hn::Div(a.z, s)};
+#if HWY_NATIVE_FMA
+    const Double near = hn::Mul(x, by.inverse);
+    const Double nearer = hn::MulAdd(hn::NegMulAdd(near, by.d, x), by.inverse, near);
+    return hn::MulAdd(hn::NegMulAdd(nearer, by.d, x), by.inverse, nearer);
+#else
+    return hn::Div(x, by.d);
+#endif
+}
+HWY_INLINE Vectors operator/(Vectors a, const Divisor& by)
+{
+    return {a.x / by, a.y / by, a.z / by};
 }
 HWY_INLINE Double dot(Vectors a, Vectors b)
 {
@@ -58,11 +78,12 @@ HWY_INLINE Vectors choose(Mask mask, Vectors yes, Vectors no)
     return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
             hn::IfThenElse(mask, yes.z, no.z)};
 }
-HWY_INLINE Vectors read(const RayFields::Field<double>& x, const RayFields::Field<double>& y,
-                        const RayFields::Field<double>& z, std::size_t i)
+HWY_INLINE Vectors read(const double* x, const double* y, const double* z)
 {
     const Doubles d;
-    return {hn::LoadU(d, &x[i]), hn::LoadU(d, &y[i]), hn::LoadU(d, &z[i])};
+    constexpr std::size_t ahead = 64;  // in streams so many and so short, processors guess too late
+    for (const double* field : {x, y, z}) { hwy::Prefetch(field + ahead); }
+    return {hn::LoadU(d, x), hn::LoadU(d, y), hn::LoadU(d, z)};
 }
 
 HWY_INLINE void write(Double x, RayFields::Field<double>& to, std::size_t i)
@@ -74,61 +95,68 @@ HWY_INLINE void write(Double x, RayFields::Field<float>& to, std::size_t i)
     hn::StoreU(hn::DemoteTo(Floats(), x), Floats(), &to[i]);
 }
 
-bool moderate(const DeltaGeometry& light, const DeltaBlock& b)
-{
-    const Doubles d;
-    const std::size_t lanes = hn::Lanes(d);
-    const Vectors place = all(light.place - Point3{});
-    for (std::size_t i = 0; i < b.count; i += lanes) {
-        const Vectors to_light = place - read(b.p_x, b.p_y, b.p_z, i);
-        const Vectors n = read(b.n_x, b.n_y, b.n_z, i);
-        const Double squared = dot(to_light, to_light);
-        const Mask well = hn::And(hn::Gt(squared, set(1e-200)), hn::Lt(squared, set(1e200)));
-        const Mask lit = hn::And(hn::Ne(dot(n, n), set(0.0)), hn::FirstN(d, b.count - i));
-        if (!hn::AllFalse(d, hn::AndNot(well, lit))) { return false; }
-    }
-    return true;
-}
-
 /// What reaches a vertex of one unit, and whence: Arrival.
 struct Arrivals {
     Vectors wi;
     Double distance, per_unit;
+    Mask well;  ///< vector code tells the same as scalar
 };
-HWY_INLINE Arrivals arrive(const DeltaGeometry& light, const DeltaBlock& b, std::size_t i,
-                           bool inverse_square, Vectors p)
+HWY_INLINE Arrivals arrive(const DeltaGeometry& light, const double* told, Vectors p)
 {
-    if (light.distant) { return {all(light.wi), set(infinity), set(1.0)}; }
+    const Doubles d;
+    if (light.distant) { return {all(light.wi), set(infinity), set(1.0), hn::FirstN(d, ~0UL)}; }
     const Vectors to_light = all(light.place - Point3{}) - p;
-    const Double distance = hn::Sqrt(dot(to_light, to_light));
-    Double per_unit = hn::Div(hn::Div(set(1.0), distance), distance);
+    const Double squared = dot(to_light, to_light);
+    const Mask well = hn::And(hn::Gt(squared, set(1e-200)), hn::Lt(squared, set(1e200)));
+    const Double distance = hn::Sqrt(squared);
+    const Divisor by(distance);
+    const Double per_unit = told != nullptr ? hn::LoadU(d, told) : by.inverse / by;
     const Mask apart = hn::Ge(distance, set(coincident_distance));
-    if (!inverse_square) { per_unit = hn::LoadU(Doubles(), &b.per_unit[i]); }
-    return {choose(apart, to_light / distance, all({})), distance, per_unit};
+    return {choose(apart, to_light / by, all({})), distance, per_unit, well};
 }
 
-std::size_t light(const DeltaGeometry& light, bool inverse_square, DeltaBlock& b,
-                  ShadowStream* stream)
+/// RayFields of vectors of rays to pass over.
+HWY_INLINE void pass_over(RayFields& f, std::size_t i)
+{
+    const Double zero = hn::Zero(Doubles());
+    for (auto* field : {&f.org_x, &f.org_y, &f.org_z, &f.tnear, &f.dir_x, &f.dir_y, &f.dir_z}) {
+        write(zero, *field, i);
+    }
+    write(set(-infinity), f.tfar, i);
+}
+
+std::optional<std::size_t> light(const DeltaGeometry& light, const VertexFields& vertices,
+                                 std::size_t first, std::size_t count,
+                                 const RayFields::Field<double>* told, RayFields::Field<float>& E,
+                                 ShadowStream* stream)
 {
     const Doubles d;
     const std::size_t lanes = hn::Lanes(d);
     const Double zero = hn::Zero(d);
-    const double m2 = light.distant ? 1.0 : light.length_unit_m * light.length_unit_m;
+    const Divisor m2(set(light.distant ? 1.0 : light.length_unit_m * light.length_unit_m));
     const UnitBox& box = light.box;
     const ClearanceRule& clear = light.clearance;
     std::size_t rays = 0;
-    for (std::size_t i = 0; i < b.count; i += lanes) {
-        const Vectors p = read(b.p_x, b.p_y, b.p_z, i), n = read(b.n_x, b.n_y, b.n_z, i);
-        const auto [wi, distance, per_unit] = arrive(light, b, i, inverse_square, p);
+    for (std::size_t i = 0; i < count; i += lanes) {
+        const std::size_t v = first + i;
+        const Vectors p = read(&vertices.p_x[v], &vertices.p_y[v], &vertices.p_z[v]);
+        const Vectors n = read(&vertices.n_x[v], &vertices.n_y[v], &vertices.n_z[v]);
+        const Mask there_is = hn::FirstN(d, count - i);
+        const auto [wi, distance, per_unit, well] =
+            arrive(light, told == nullptr ? nullptr : &(*told)[i], p);
+        if (!hn::AllFalse(d, hn::AndNot(well, there_is))) { return {}; }
         const Double cos_n = dot(n, wi);
         const Double cos_i = light.two_sided ? hn::Abs(cos_n) : cos_n;
-        const Mask faces = hn::And(hn::Gt(cos_i, zero), hn::FirstN(d, b.count - i));
-        const Double E = hn::IfThenElseZero(faces, hn::Mul(cos_i, hn::Div(per_unit, set(m2))));
-        write(E, b.E, i);
-        write(hn::IfThenElseZero(faces, set(1.0)), b.faces, i);
+        const Mask faces = hn::And(hn::Gt(cos_i, zero), there_is);
+        write(hn::IfThenElse(faces, hn::Mul(cos_i, per_unit / m2), set(-0.0)), E, i);
         if (stream == nullptr) { continue; }
+        RayFields& f = stream->fields();
+        if (hn::AllFalse(d, faces)) {
+            pass_over(f, i);
+            continue;
+        }
         // shadow_ray()
-        const Double spacing = hn::LoadU(d, &b.spacing[i]);
+        const Double spacing = hn::PromoteTo(d, hn::LoadU(Floats(), &vertices.spacing[v]));
         const Double offset =
             hn::Max(set(clear.least),
                     hn::Min(set(clear.most), hn::Mul(set(clear.offset_per_spacing), spacing)));
@@ -139,7 +167,7 @@ std::size_t light(const DeltaGeometry& light, bool inverse_square, DeltaBlock& b
         if (!light.distant) {
             const Vectors to_light = p + wi * distance - origin;
             const Double length = hn::Sqrt(dot(to_light, to_light));
-            const Vectors there = to_light / length;
+            const Vectors there = to_light / Divisor(length);
             const Mask ahead = hn::Gt(dot(there, wi), zero);  // false where there is no direction
             aim = choose(ahead, there, wi);
             const Double short_of_light = hn::Sub(length, set(clear.least));
@@ -152,7 +180,6 @@ std::size_t light(const DeltaGeometry& light, bool inverse_square, DeltaBlock& b
             hn::Add(hn::Add(set(UnitBox::beyond), hn::Abs(org.x)), hn::Abs(org.y)), hn::Abs(org.z));
         const Double tfar =
             hn::Add(hn::Min(hn::Mul(reach, set(box.scale)), beyond), set(2.0 * UnitBox::step_back));
-        RayFields& f = stream->fields();
         write(org.x, f.org_x, i);
         write(org.y, f.org_y, i);
         write(org.z, f.org_z, i);
@@ -171,8 +198,23 @@ std::size_t light(const DeltaGeometry& light, bool inverse_square, DeltaBlock& b
         write(reach, f.distance, i);
         rays += hn::CountTrue(d, faces);
     }
-    if (stream != nullptr) { stream->resize(b.count); }
+    if (stream != nullptr) { stream->resize(count); }
     return rays;
+}
+
+std::uint64_t take_signs(float* E)
+{
+    const hn::CappedTag<float, 16> d;
+    const hn::RebindToSigned<decltype(d)> coded;
+    std::uint64_t positive = 0;
+    for (std::size_t i = 0; i < 64; i += hn::Lanes(d)) {
+        const auto some = hn::LoadU(d, E + i);
+        hn::StoreU(hn::Abs(some), d, E + i);
+        std::array<std::uint8_t, 8> bits{};  // two, of 16 lanes
+        hn::StoreMaskBits(coded, hn::Gt(hn::BitCast(coded, some), hn::Set(coded, -1)), bits.data());
+        positive |= static_cast<std::uint64_t>(bits[0] | bits[1] << 8U) << i;
+    }
+    return positive;
 }
 
 }  // namespace
@@ -182,18 +224,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace relight {
 
-HWY_EXPORT(moderate);
 HWY_EXPORT(light);
+HWY_EXPORT(take_signs);
 
-bool is_moderate(const DeltaGeometry& light, const DeltaBlock& block)
+std::optional<std::size_t> light_up(const DeltaGeometry& geometry, const VertexFields& fields,
+                                    std::size_t first, std::size_t count,
+                                    const RayFields::Field<double>* per_unit,
+                                    RayFields::Field<float>& E, ShadowStream* rays)
 {
-    return light.distant || HWY_DYNAMIC_DISPATCH(moderate)(light, block);
+    return HWY_DYNAMIC_DISPATCH(light)(geometry, fields, first, count, per_unit, E, rays);
 }
 
-std::size_t light_up(const DeltaGeometry& geometry, bool inverse_square, DeltaBlock& block,
-                     ShadowStream* rays)
+std::uint64_t seen_word(std::span<float, 64> E)
 {
-    return HWY_DYNAMIC_DISPATCH(light)(geometry, inverse_square, block, rays);
+    return HWY_DYNAMIC_DISPATCH(take_signs)(E.data());
 }
 
 }  // namespace relight

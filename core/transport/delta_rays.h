@@ -1,5 +1,10 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/geometry/vertex_fields.h"
 #include "core/trace/shadow_stream.h"
 
 namespace relight {
@@ -16,29 +21,19 @@ struct DeltaGeometry {
     ClearanceRule clearance;
 };
 
-/// Some vertices under such a light, field by field.
-struct alignas(64) DeltaBlock {
-    static constexpr std::size_t capacity = ShadowStream::capacity;
-    template <class T>
-    using Field = RayFields::Field<T>;
-
-    std::size_t count = 0;  ///< of vertices; what follows is filled that far
-    Field<double> p_x, p_y, p_z, n_x, n_y, n_z, spacing;
-    Field<double> per_unit;  ///< Arrival's; not asked of a light that falls off by 1/d^2 alone
-    // Made of them:
-    Field<float> E;      ///< unoccluded, of one unit of power
-    Field<float> faces;  ///< 1 where the light is above the horizon, else 0
-};
-
-/// Whether vector code may take these vertices: none is at the light, or so far from it that
+/// Fills E[0 .. count) of the vertices from fields[first] on: of one unit of power, unoccluded; -0
+/// where the light is below the horizon. With `rays` (empty before) puts into it for each vertex
+/// what arrive(), vertex_receiver() and shadow_ray() make of it, the same to the last bit; for one
+/// that does not face the light a ray to pass over. Returns how many there are to trace. Nothing
+/// where vector code may not take these vertices: one is at the light, or so far from it that
 /// squares lose bits.
-bool is_moderate(const DeltaGeometry& light, const DeltaBlock& block);
+/// @param per_unit Arrival's; nullptr: the light falls off by 1/d^2 alone, or is distant
+std::optional<std::size_t> light_up(const DeltaGeometry& light, const VertexFields& fields,
+                                    std::size_t first, std::size_t count,
+                                    const RayFields::Field<double>* per_unit,
+                                    RayFields::Field<float>& E, ShadowStream* rays);
 
-/// Fills E and faces, and with `rays` (empty before) puts into it for each vertex what arrive(),
-/// vertex_receiver() and shadow_ray() make of it, the same to the last bit; for one that does not
-/// face the light a ray to pass over. Returns how many there are to trace.
-/// @param inverse_square E falls off by it alone: per_unit need not be filled
-std::size_t light_up(const DeltaGeometry& light, bool inverse_square, DeltaBlock& block,
-                     ShadowStream* rays);
+/// Bit i is 1 where E[i] is not negative, nor -0. What is, loses its sign.
+std::uint64_t seen_word(std::span<float, 64> E);
 
 }  // namespace relight

@@ -3,126 +3,148 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/vectors.h"
+
 // CMakeLists.txt has this file optimised for vectors: sums and products are not fused (they would
 // round otherwise where a processor can), so that every processor has the same bits.
 
 namespace relight {
 namespace {
 
-/// A receiver that a kernel draws for.
+/// What is drawn, slot after slot of a stream. It is made in three steps, each over all slots: one
+/// chain of a sample's operations alone would leave the processor waiting for its results.
+struct Slots {
+    static constexpr std::size_t most = RayFields::capacity + RayFields::spare;
+
+    // Plain arrays: g++ 12 makes no vectors of what it reads from a const std::array.
+    alignas(64) double u[most], v[most];           ///< the sample
+    alignas(64) double x[most], y[most], z[most];  ///< the direction that it draws
+    alignas(64) double distance[most];             ///< to the light
+    alignas(64) double weight[most];               ///< radiance over density
+};
+
+/// Whole vectors of lanes, beyond the last too: there the next asker's go, or nothing.
+constexpr unsigned whole(unsigned lanes)
+{
+    constexpr unsigned vector = RayFields::spare;
+    return (lanes + vector - 1) / vector * vector;
+}
+
+// Loops in a form that compilers turn into vectors: no branch and no call. What they read once is
+// copied first, and the arrays are apart (ivdep): what is written cannot be part of it.
+
+[[gnu::always_inline]] inline void draw_samples(const Sequence& of, std::uint32_t pair,
+                                                const Lanes& lanes, std::size_t first, Slots& slots)
+{
+    const Sequence sequence = of;
+    const unsigned count = whole(lanes.count);
+#pragma GCC ivdep
+    for (unsigned i = 0; i < count; ++i) {
+        const Sample2 s = sequence.replicate(lanes.replicate[i]).at(lanes.point[i], pair);
+        slots.u[first + i] = s.u;
+        slots.v[first + i] = s.v;
+    }
+}
+
 template <class View>
-struct Job {
-    View view;
-    Sequence sequence;
-    std::uint32_t pair;
+[[gnu::always_inline]] inline void draw_directions(const View& from, unsigned lanes,
+                                                   std::size_t first, Slots& slots)
+{
+    const View view = from;
+    const unsigned count = whole(lanes);
+#pragma GCC ivdep
+    for (unsigned i = 0; i < count; ++i) {
+        const std::size_t slot = first + i;
+        const LightSample there = view.sample_direction({slots.u[slot], slots.v[slot]});
+        slots.x[slot] = there.wi.x();
+        slots.y[slot] = there.wi.y();
+        slots.z[slot] = there.wi.z();
+        slots.distance[slot] = there.distance;
+        slots.weight[slot] = there.L.r / there.pdf;
+    }
+}
+
+/// Where an asker's rays start and how far they go.
+struct Start {
     Vec3 n, ng;
-    Vec3 above;  ///< from the receiver to where rays start on the side of ng; others opposite
+    Vec3 above;  ///< where rays start on the side of ng, from the origin; others below
     Vec3 below;
-    bool two_sided;
+    Vec3 to_above;  ///< from the receiver
+    Vec3 to_below;
+    double from;
+    Mask two_sided;
     double reach;      ///< as far as anything may cast a shadow
     double clearance;  ///< before the light
+    UnitBox box;
 
-    Job(const View& v, const Receiver& receiver, const Bvh& bvh, const TransportOptions& options,
-        const Sequence& s, std::uint32_t p)
-        : view(v),
-          sequence(s),
-          pair(p),
-          n(receiver.frame.n),
+    Start(const Receiver& receiver, const Bvh& bvh, const TransportOptions& options)
+        : n(receiver.frame.n),
           ng(receiver.ng),
-          above(receiver.lifted + ng * receiver.clear.offset - receiver.p),
-          below(receiver.lifted - ng * receiver.clear.offset - receiver.p),
-          two_sided(options.two_sided),
+          above((receiver.lifted + ng * receiver.clear.offset) - Point3{}),
+          below((receiver.lifted - ng * receiver.clear.offset) - Point3{}),
+          to_above((Point3{} + above) - receiver.p),
+          to_below((Point3{} + below) - receiver.p),
+          from(receiver.clear.from),
+          two_sided(where(options.two_sided)),
           reach(options.max_distance.value_or(std::numeric_limits<double>::infinity())),
-          clearance(bvh.clearance(0.0).offset)
+          clearance(bvh.clearance(0.0).offset),
+          box(bvh.box())
     {
     }
 };
 
-/// The lanes one by one, in a form that compilers turn into vectors: no branch and no call.
-template <class View>
-[[gnu::always_inline]] inline void draw_lanes(const Job<View>& wanted, const Lanes& lanes,
-                                              Drawn& drawn)
+template <bool is_far_away>
+[[gnu::always_inline]] inline void aim_rays(const Start& of, unsigned lanes, std::size_t first,
+                                            Slots& slots, RayFields& fields, Brought& E)
 {
-    const Job<View> job = wanted;  // a copy: what is written cannot be part of it
-    const unsigned count = lanes.count;
+    const Start start = of;
+    const unsigned count = whole(lanes);
+#pragma GCC ivdep
     for (unsigned i = 0; i < count; ++i) {
-        const Sample2 s = job.sequence.replicate(lanes.replicate[i]).at(lanes.point[i], job.pair);
-        const LightSample there = job.view.sample_direction(s);
-        const double cos_n = dot(job.n, there.wi);
-        const double cos_i = job.two_sided ? std::abs(cos_n) : std::max(0.0, cos_n);
-        drawn.E[i] = cos_i > 0.0 ? there.L.r * cos_i / there.pdf : 0.0;
-        const bool is_above = dot(job.ng, there.wi) >= 0.0;
-        drawn.side[i] = is_above ? 1.0 : -1.0;
-        if constexpr (std::is_same_v<View, SunView> || std::is_same_v<View, CosineView>) {
-            drawn.x[i] = there.wi.x();
-            drawn.y[i] = there.wi.y();
-            drawn.z[i] = there.wi.z();
-            drawn.distance[i] = job.reach;
-        } else {
-            const Vec3 start{is_above ? job.above.x : job.below.x,
-                             is_above ? job.above.y : job.below.y,
-                             is_above ? job.above.z : job.below.z};
-            const Vec3 to_light = Vec3(there.wi) * there.distance - start;
+        const std::size_t slot = first + i;
+        const Vec3 wi{slots.x[slot], slots.y[slot], slots.z[slot]};
+        const double cos_n = dot(start.n, wi);
+        const double cos_i = choose(start.two_sided, std::abs(cos_n), std::max(0.0, cos_n));
+        const double weighted = slots.weight[slot] * cos_i;
+        const double brought = choose(where(cos_i > 0.0), weighted, 0.0);
+        const Mask is_above = where(dot(start.ng, wi) >= 0.0);
+        const Point3 origin = Point3{} + choose(is_above, start.above, start.below);
+        Vec3 aim = wi;
+        double distance = start.reach;
+        if constexpr (!is_far_away) {
+            const double drawn = slots.distance[slot];
+            const Vec3 to_light = wi * drawn - choose(is_above, start.to_above, start.to_below);
             const double squared = dot(to_light, to_light);
             // Beyond, it overflows, and where the ray starts makes no difference.
-            const bool is_far = !(squared < 1e200);
+            const Mask is_far = where(!(squared < 1e200));
             // A light closer than the step itself is not behind anything.
-            const bool is_beside = !(squared > 1e-200 && dot(to_light, there.wi) > 0.0);
-            const double far = is_far ? there.distance : std::sqrt(squared);
+            const Mask is_beside = ~(where(squared > 1e-200) & where(dot(to_light, wi) > 0.0));
+            const double far = choose(is_far, drawn, std::sqrt(squared));
             const double over = 1.0 / far;
-            const bool as_drawn = is_far || is_beside;
-            drawn.x[i] = as_drawn ? there.wi.x() : to_light.x * over;
-            drawn.y[i] = as_drawn ? there.wi.y() : to_light.y * over;
-            drawn.z[i] = as_drawn ? there.wi.z() : to_light.z * over;
-            drawn.distance[i] =
-                is_beside ? 0.0 : std::max(0.0, std::min(job.reach, far - job.clearance));
+            const Mask as_drawn = is_far | is_beside;
+            aim = choose(as_drawn, wi, to_light * over);
+            distance =
+                choose(is_beside, 0.0, std::max(0.0, std::min(start.reach, far - start.clearance)));
         }
+        const BoxRay box = start.box.ray({origin, unit_already(aim), start.from, distance});
+        E[slot] = brought;
+        fields.org_x[slot] = box.org_x;
+        fields.org_y[slot] = box.org_y;
+        fields.org_z[slot] = box.org_z;
+        fields.tnear[slot] = box.tnear;
+        fields.dir_x[slot] = box.dir_x;
+        fields.dir_y[slot] = box.dir_y;
+        fields.dir_z[slot] = box.dir_z;
+        fields.tfar[slot] = brought > 0.0 ? box.tfar : -std::numeric_limits<float>::infinity();
+        fields.origin_x[slot] = origin.x;
+        fields.origin_y[slot] = origin.y;
+        fields.origin_z[slot] = origin.z;
+        fields.direction_x[slot] = aim.x;
+        fields.direction_y[slot] = aim.y;
+        fields.direction_z[slot] = aim.z;
+        fields.from[slot] = start.from;
+        fields.distance[slot] = distance;
     }
-}
-
-template <class View>
-[[gnu::flatten]] void draw_plain(const Job<View>& job, const Lanes& lanes, Drawn& drawn)
-{
-    draw_lanes(job, lanes, drawn);
-}
-
-#ifdef __x86_64__
-template <class View>
-[[gnu::flatten, gnu::target("avx2")]] void draw_avx2(const Job<View>& job, const Lanes& lanes,
-                                                     Drawn& drawn)
-{
-    draw_lanes(job, lanes, drawn);
-}
-template <class View>
-[[gnu::flatten, gnu::target("avx512f,avx512dq,avx512vl,avx512bw")]] void draw_avx512(
-    const Job<View>& job, const Lanes& lanes, Drawn& drawn)
-{
-    draw_lanes(job, lanes, drawn);
-}
-#endif
-
-/// A rectangle that looks small: its samples take branches.
-struct SmallRect {
-    RectView rect;
-
-    LightSample sample_direction(Sample2 s) const { return rect.sample(s); }
-};
-
-template <class View>
-using Kernel = void (*)(const Job<View>&, const Lanes&, Drawn&);
-
-/// For the processor that this runs on.
-template <class View>
-Kernel<View> kernel()
-{
-#ifdef __x86_64__
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw")) {
-        return draw_avx512<View>;
-    }
-    if (__builtin_cpu_supports("avx2")) { return draw_avx2<View>; }
-#endif
-    return draw_plain<View>;
 }
 
 }  // namespace
@@ -142,36 +164,94 @@ std::vector<Lanes> lanes_of(unsigned replicates, unsigned begin, unsigned end)
 }
 
 template <class View>
-Drawn draw(const View& view, const Receiver& receiver, const Bvh& bvh,
-           const TransportOptions& options, const Sequence& sequence, std::uint32_t pair,
-           const Lanes& lanes)
+void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOptions& options,
+          std::uint32_t pair, const Lanes& lanes, ShadowStream& stream, Brought& E)
 {
-    static const Kernel<View> fastest = kernel<View>();
-    Drawn drawn;
-    if (!view.is_seen()) {
-        std::fill_n(drawn.E.begin(), lanes.count, 0.0);
-        return drawn;
+    constexpr bool is_dome = std::is_same_v<View, DomeDirections>;
+    constexpr bool is_far_away = is_dome || std::is_same_v<View, SunView> ||
+                                 std::is_same_v<View, CosineView> ||
+                                 std::is_same_v<View, CosineDirections>;
+    Slots slots;
+    RayFields& fields = stream.fields();
+    const auto each = [&](const auto& make) {
+        std::size_t first = 0;
+        for (const Asker<View>& asker : askers) {
+            make(asker, first);
+            first += lanes.count;
+        }
+    };
+    const std::size_t count = askers.size() * lanes.count;
+    const auto draw_pair = [&](std::uint32_t which) {
+        in_vectors([&] {
+            each([&](const Asker<View>& asker, std::size_t first) {
+                draw_samples(asker.sequence, which, lanes, first, slots);
+            });
+        });
+    };
+    if constexpr (is_dome) {
+        static_assert(DomeLanes::most >= Slots::most);
+        DomeLanes all;
+        draw_pair(pair + 1);
+        std::copy_n(slots.u, count, all.pick);
+        draw_pair(pair);
+        std::copy_n(slots.u, count, all.u);
+        std::copy_n(slots.v, count, all.v);
+        if (!askers.empty()) { sample(*askers[0].view.dome, count, all); }
+        std::copy_n(all.x, count, slots.x);
+        std::copy_n(all.y, count, slots.y);
+        std::copy_n(all.z, count, slots.z);
+        std::fill_n(slots.weight, count, 1.0);
+    } else {
+        draw_pair(pair);
+        in_vectors([&] {
+            each([&](const Asker<View>& asker, std::size_t first) {
+                draw_directions(asker.view, lanes.count, first, slots);
+            });
+        });
     }
     if constexpr (std::is_same_v<View, RectView>) {
-        if (view.by_area()) {
-            draw_plain(Job<SmallRect>({view}, receiver, bvh, options, sequence, pair), lanes,
-                       drawn);
-            return drawn;
-        }
+        each([&](const Asker<View>& asker, std::size_t first) {
+            if (!asker.view.by_area()) { return; }
+            for (std::size_t slot = first; slot < first + lanes.count; ++slot) {
+                const LightSample there = asker.view.sample({slots.u[slot], slots.v[slot]});
+                slots.x[slot] = there.wi.x();
+                slots.y[slot] = there.wi.y();
+                slots.z[slot] = there.wi.z();
+                slots.distance[slot] = there.distance;
+                slots.weight[slot] = there.wi ? there.L.r / there.pdf : 0.0;
+            }
+        });
     }
-    fastest(Job<View>(view, receiver, bvh, options, sequence, pair), lanes, drawn);
-    return drawn;
+    in_vectors([&] {
+        each([&](const Asker<View>& asker, std::size_t first) {
+            aim_rays<is_far_away>(Start(*asker.receiver, bvh, options), lanes.count, first, slots,
+                                  fields, E);
+        });
+    });
+    each([&](const Asker<View>& asker, std::size_t first) {
+        if (asker.view.is_seen()) { return; }
+        std::fill_n(E.begin() + static_cast<std::ptrdiff_t>(first), lanes.count, 0.0);
+        stream.resize(first);
+        for (unsigned i = 0; i < lanes.count; ++i) { stream.pass_over(); }
+    });
+    stream.resize(count);
 }
 
-template Drawn draw(const RectView&, const Receiver&, const Bvh&, const TransportOptions&,
-                    const Sequence&, std::uint32_t, const Lanes&);
-template Drawn draw(const DiskView&, const Receiver&, const Bvh&, const TransportOptions&,
-                    const Sequence&, std::uint32_t, const Lanes&);
-template Drawn draw(const SphereView&, const Receiver&, const Bvh&, const TransportOptions&,
-                    const Sequence&, std::uint32_t, const Lanes&);
-template Drawn draw(const SunView&, const Receiver&, const Bvh&, const TransportOptions&,
-                    const Sequence&, std::uint32_t, const Lanes&);
-template Drawn draw(const CosineView&, const Receiver&, const Bvh&, const TransportOptions&,
-                    const Sequence&, std::uint32_t, const Lanes&);
+template void draw(std::span<const Asker<RectDirections>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<RectView>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<DiskView>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<SphereView>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<SunView>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<CosineView>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<CosineDirections>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<DomeDirections>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
 
 }  // namespace relight

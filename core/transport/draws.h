@@ -2,10 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/sobol.h"
+#include "core/light/dome.h"
 #include "core/light/light.h"
+#include "core/trace/shadow_stream.h"
 #include "core/transport/receiver.h"
 
 namespace relight {
@@ -14,7 +17,7 @@ namespace relight {
 struct Lanes {
     static constexpr unsigned most = 64;
     unsigned count = 0;
-    std::array<std::uint32_t, most> replicate, point;  ///< [0, count) are filled
+    std::array<std::uint32_t, most> replicate{}, point{};  ///< [0, count) are filled
 };
 /// Points [begin, end) of each of `replicates` replicates, one replicate after the other.
 std::vector<Lanes> lanes_of(unsigned replicates, unsigned begin, unsigned end);
@@ -42,45 +45,70 @@ class CosineView {
     double sides_;
 };
 
-/// What lanes have drawn: shadow rays as shadow_ray() would make them, and what each brings if
-/// nothing is in its way.
-struct Drawn {
-    template <class T>
-    using Lane = std::array<T, Lanes::most>;
+/// The same directions of weight 1: what is seen along them is found after.
+struct CosineDirections {
+    CosineView cosine;
 
-    alignas(64) Lane<double> x, y, z;   ///< direction of the ray, unit
-    alignas(64) Lane<double> distance;  ///< as far as it goes
-    alignas(
-        64) Lane<double> E;  ///< of the light's radiance, over the density; 0: nothing to ask for
-    alignas(64) Lane<double> side;  ///< of the surface on which it starts: 1 or -1
-
-    Dir3 direction(unsigned lane) const { return unit_already({x[lane], y[lane], z[lane]}); }
-    ShadowRay ray(const Receiver& receiver, unsigned lane) const
+    static constexpr bool is_seen() { return true; }
+    LightSample sample_direction(Sample2 s) const
     {
-        const double step = side[lane] * receiver.clear.offset;
-        return {receiver.lifted + Vec3(receiver.ng) * step, direction(lane), receiver.clear.from,
-                distance[lane]};
+        return {cosine.sample_direction(s).wi, std::numeric_limits<double>::infinity(),
+                Rgb::grey(1.0), 1.0};
     }
 };
+/// Those that a sky of a map draws, likewise; the pair after `pair` picks its parts.
+struct DomeDirections {
+    const Dome* dome;
 
-/// Draws a light (of one colour) that `view` sees from a receiver, the pair `pair` of the
-/// sequence's replicates. In vectors as wide as the processor has; the same to the bit on any,
-/// since every lane is what the scalar functions of light/ and base/ give, and aimed as
-/// shadow_ray() does. Test: Draws.*
+    static constexpr bool is_seen() { return true; }
+};
+
+/// One who asks for samples: how the light looks from there, and its random numbers.
 template <class View>
-Drawn draw(const View& view, const Receiver& receiver, const Bvh& bvh,
-           const TransportOptions& options, const Sequence& sequence, std::uint32_t pair,
-           const Lanes& lanes);
+struct Asker {
+    View view;
+    const Receiver* receiver;
+    Sequence sequence;  ///< replicate 0
+};
 
-extern template Drawn draw(const RectView&, const Receiver&, const Bvh&, const TransportOptions&,
-                           const Sequence&, std::uint32_t, const Lanes&);
-extern template Drawn draw(const DiskView&, const Receiver&, const Bvh&, const TransportOptions&,
-                           const Sequence&, std::uint32_t, const Lanes&);
-extern template Drawn draw(const SphereView&, const Receiver&, const Bvh&, const TransportOptions&,
-                           const Sequence&, std::uint32_t, const Lanes&);
-extern template Drawn draw(const SunView&, const Receiver&, const Bvh&, const TransportOptions&,
-                           const Sequence&, std::uint32_t, const Lanes&);
-extern template Drawn draw(const CosineView&, const Receiver&, const Bvh&, const TransportOptions&,
-                           const Sequence&, std::uint32_t, const Lanes&);
+/// What each ray of a stream brings if nothing is in its way: of the light's radiance, over the
+/// density. 0: there is nothing to ask for, and the ray is passed over.
+using Brought = std::array<double, RayFields::capacity + RayFields::spare>;
+
+/// As many askers' lanes as fit a stream.
+inline std::size_t askers_a_stream(const Lanes& lanes)
+{
+    return ShadowStream::capacity / lanes.count;
+}
+
+/// Draws a light (of one colour) that each asker sees, the pair `pair` of the sequence's
+/// replicates, and puts shadow rays as shadow_ray() would make them into the stream (which is
+/// empty): asker after asker, each in the order of the lanes. In vectors as wide as the processor
+/// has; the same to the bit on any, since every lane is what the scalar functions of light/ and
+/// base/ give, and aimed as shadow_ray() does. Test: Draws.*
+/// @param askers no more than askers_a_stream()
+template <class View>
+void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOptions& options,
+          std::uint32_t pair, const Lanes& lanes, ShadowStream& stream, Brought& E);
+
+extern template void draw(std::span<const Asker<RectDirections>>, const Bvh&,
+                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
+                          Brought&);
+extern template void draw(std::span<const Asker<RectView>>, const Bvh&, const TransportOptions&,
+                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+extern template void draw(std::span<const Asker<DiskView>>, const Bvh&, const TransportOptions&,
+                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+extern template void draw(std::span<const Asker<SphereView>>, const Bvh&, const TransportOptions&,
+                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+extern template void draw(std::span<const Asker<SunView>>, const Bvh&, const TransportOptions&,
+                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+extern template void draw(std::span<const Asker<CosineView>>, const Bvh&, const TransportOptions&,
+                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+extern template void draw(std::span<const Asker<CosineDirections>>, const Bvh&,
+                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
+                          Brought&);
+extern template void draw(std::span<const Asker<DomeDirections>>, const Bvh&,
+                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
+                          Brought&);
 
 }  // namespace relight

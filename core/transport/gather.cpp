@@ -1,5 +1,6 @@
 #include "core/transport/gather.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -132,68 +133,167 @@ void gather_direct(const Source& source, const Receiver& receiver, const LightVi
 
 namespace {
 
-/// Hands the rays that lanes have drawn to `bring(ray, replicate, lane)`.
-template <class Bring>
-void ask_for(const Drawn& drawn, const Lanes& lanes, const Receiver& receiver, const Bring& bring)
+/// Draws the points of `lanes` for as many of the vertices as fit a stream at a time, which ask as
+/// `ask(vertex)` says, and has the rays traced if they are `shadowed`. `weigh(fields, E, slots)`
+/// may change what they bring before, and `settle(vertex, lanes, first slot, blocked, E)` says what
+/// comes of each vertex's.
+template <class Vertex, class Ask, class Weigh, class Settle>
+std::uint64_t ask_for_all(const Source& source, std::span<const Vertex> vertices,
+                          std::uint32_t pair, std::span<const Lanes> lanes, ShadowStream& stream,
+                          const Ask& ask, const Weigh& weigh, const Settle& settle)
 {
-    for (unsigned i = 0; i < lanes.count; ++i) {
-        if (drawn.E[i] > 0.0) { bring(drawn.ray(receiver, i), lanes.replicate[i], i); }
-    }
-}
-
-}  // namespace
-
-unsigned gather_irradiance(const Source& source, const Receiver& receiver, const LightView& view,
-                           const Sequence& sequence, std::span<const Lanes> lanes,
-                           std::span<double> lit, std::span<double> all, RayQueue<double>& queue)
-{
-    const TransportOptions& options = source.scene.transport;
-    unsigned rays = 0;
-    const auto gather = [&](const auto& from, std::uint32_t pair) {
-        for (const Lanes& some : lanes) {
-            const Drawn drawn =
-                draw(from, receiver, *source.stage.bvh, options, sequence, pair, some);
-            ask_for(drawn, some, receiver, [&](const ShadowRay& ray, std::uint32_t r, unsigned i) {
-                all[r] += drawn.E[i];
-                queue.ask(ray, {&lit[r], drawn.E[i]});
-                ++rays;
-            });
+    using View = std::decay_t<decltype(ask(vertices[0]))>;
+    const Bvh& bvh = *source.stage.bvh;
+    std::vector<Asker<View>> askers;
+    std::array<std::uint8_t, ShadowStream::capacity> open{};
+    Brought E;
+    std::uint64_t rays = 0;
+    const std::size_t together = askers_a_stream(lanes[0]);  // the later have no more lanes
+    for (std::size_t begin = 0; begin < vertices.size(); begin += together) {
+        const auto some = vertices.subspan(begin, std::min(together, vertices.size() - begin));
+        askers.clear();
+        for (const Vertex& v : some) {
+            askers.push_back({ask(v), v.receiver, source.sequence(*v.receiver)});
         }
-    };
-    if (const auto* rect = std::get_if<RectView>(&view)) { gather(*rect, light_pair); }
-    if (const auto* disk = std::get_if<DiskView>(&view)) { gather(*disk, light_pair); }
-    if (const auto* ball = std::get_if<SphereView>(&view)) { gather(*ball, light_pair); }
-    if (const auto* sun = std::get_if<SunView>(&view)) { gather(*sun, light_pair); }
-    if (std::holds_alternative<EnvironmentView>(view)) {
-        gather(CosineView(receiver.frame, options.two_sided), response_pair);
+        for (const Lanes& points : lanes) {
+            draw<View>(askers, bvh, source.scene.transport, pair, points, stream, E);
+            weigh(stream.fields(), E, stream.size());
+            std::span<const std::uint8_t> blocked = std::span(open).first(stream.size());
+            if (source.shadowed()) {
+                blocked = stream.trace();
+                rays += static_cast<std::uint64_t>(std::count_if(
+                    E.begin(), E.begin() + static_cast<std::ptrdiff_t>(blocked.size()),
+                    [](double brought) { return brought > 0.0; }));
+            } else {
+                stream.resize(0);
+            }
+            std::size_t slot = 0;
+            for (const Vertex& v : some) {
+                settle(v, points, slot, blocked.subspan(slot, points.count),
+                       std::span(E).subspan(slot, points.count));
+                slot += points.count;
+            }
+        }
     }
     return rays;
 }
 
-void gather_irradiance(const Source& source, const Receiver& receiver, const EnvironmentView& sky,
-                       const Sequence& sequence, std::span<const Lanes> lanes, std::span<Rgb> lit,
-                       Unblocked& seen, RayQueue<Rgb>& queue)
+}  // namespace
+
+std::uint64_t gather_irradiance(const Source& source, std::span<const GreyVertex> vertices,
+                                std::span<const Lanes> lanes, ShadowStream& stream)
 {
-    const EnvironmentMap& map = *sky.map();
-    const CosineView cosine(receiver.frame, source.scene.transport.two_sided);
-    const bool shadowed = source.shadowed();
-    std::array<std::size_t, Lanes::most> texels;
-    for (const Lanes& some : lanes) {
-        const Drawn drawn = draw(cosine, receiver, *source.stage.bvh, source.scene.transport,
-                                 sequence, response_pair, some);
-        for (unsigned i = 0; i < some.count; ++i) {
-            texels[i] = map.texel_along(sky.in_map(drawn.direction(i)));
-            map.fetch(texels[i]);
+    if (vertices.empty()) { return 0; }
+    const auto gather = [&](std::span<const GreyVertex> some, std::uint32_t pair, const auto& ask) {
+        return ask_for_all(
+            source, some, pair, lanes, stream, ask,
+            [](const RayFields& /*fields*/, const Brought& /*E*/, std::size_t /*slots*/) {},
+            [](const GreyVertex& v, const Lanes& points, std::size_t /*slot*/,
+               std::span<const std::uint8_t> blocked, std::span<const double> E) {
+                unsigned rays = 0;
+                for (unsigned i = 0; i < points.count; ++i) {
+                    const unsigned r = points.replicate[i];
+                    v.all[r] += E[i];
+                    v.lit[r] += blocked[i] == 0 ? E[i] : 0.0;
+                    rays += E[i] > 0.0 ? 1 : 0;
+                }
+                *v.rays += rays;
+            });
+    };
+    const LightShape& shape = source.light.shape;
+    if (const auto* rect = std::get_if<RectLight>(&shape)) {
+        std::vector<Point3> places;
+        for (const GreyVertex& v : vertices) { places.push_back(v.receiver->p); }
+        std::vector<RectDirections> seen(vertices.size());
+        directions(*rect, places, seen);
+        std::vector<GreyVertex> usual, others;
+        std::vector<RectDirections> of_usual;
+        for (std::size_t v = 0; v < vertices.size(); ++v) {
+            if (seen[v].whole < 0.0) {
+                others.push_back(vertices[v]);
+                continue;
+            }
+            usual.push_back(vertices[v]);
+            of_usual.push_back(seen[v]);
         }
-        ask_for(drawn, some, receiver, [&](const ShadowRay& ray, std::uint32_t r, unsigned i) {
-            const Rgb L = map.seen(texels[i], {}).L;
-            const Deposit<Rgb> one{&lit[r], L * drawn.E[i], &seen.open};
-            if (is_black(one.value)) { return; }
-            seen.total += luminance(one.value);
-            if (!shadowed) { return one.give(); }
-            queue.ask(ray, one);
-        });
+        std::size_t next = 0;
+        return gather(usual, light_pair,
+                      [&](const GreyVertex& /*v*/) { return of_usual[next++]; }) +
+               gather(others, light_pair,
+                      [&](const GreyVertex& v) { return RectView(*rect, v.receiver->p); });
     }
+    if (const auto* disk = std::get_if<DiskLight>(&shape)) {
+        return gather(vertices, light_pair,
+                      [&](const GreyVertex& v) { return DiskView(*disk, v.receiver->p); });
+    }
+    if (const auto* ball = std::get_if<SphereLight>(&shape)) {
+        return gather(vertices, light_pair,
+                      [&](const GreyVertex& v) { return SphereView(*ball, v.receiver->p); });
+    }
+    if (const auto* sun = std::get_if<DirectionalLight>(&shape)) {
+        const SunView view(*sun);
+        return gather(vertices, light_pair, [&](const GreyVertex& /*v*/) { return view; });
+    }
+    return gather(vertices, response_pair, [&](const GreyVertex& v) {
+        return CosineView(v.receiver->frame, source.scene.transport.two_sided);
+    });
+}
+
+std::optional<Dome> dome_of(const LightShape& shape)
+{
+    if (const auto* sky = std::get_if<SkyLight>(&shape)) { return relight::dome_of(*sky); }
+    const auto* environment = std::get_if<EnvironmentLight>(&shape);
+    if (environment == nullptr || !environment->map) { return {}; }
+    return relight::dome_of(*environment);
+}
+
+std::uint64_t gather_dome(const Source& source, const Dome& dome,
+                          std::span<const ColoredVertex> vertices, unsigned replicates,
+                          unsigned begin, unsigned end, ShadowStream& stream)
+{
+    if (vertices.empty() || (dome.map == nullptr && !dome.sun)) { return 0; }
+    const bool even = is_even_sky(source.light.shape);
+    const double sides = source.scene.transport.two_sided ? 2.0 : 1.0;
+    const double light_share = even ? 0.0 : 0.5, response_share = even ? 1.0 : 0.5;
+    DomeLanes seen;
+    const auto weigh = [&](RayFields& fields, Brought& cosines, std::size_t slots) {
+        std::copy_n(fields.direction_x.begin(), slots, seen.x);
+        std::copy_n(fields.direction_y.begin(), slots, seen.y);
+        std::copy_n(fields.direction_z.begin(), slots, seen.z);
+        look(dome, slots, seen);
+        for (std::size_t slot = 0; slot < slots; ++slot) {
+            const double cos_i = cosines[slot];
+            const double density = light_share * seen.pdf[slot] +
+                                   response_share * warp::cosine_hemisphere_pdf(cos_i) / sides;
+            Rgb& value = seen.L[slot];
+            value = ratio(value * cos_i, density);
+            cosines[slot] = luminance(value);
+            if (is_black(value)) { fields.tfar[slot] = -std::numeric_limits<float>::infinity(); }
+        }
+    };
+    const auto settle = [&](const ColoredVertex& v, const Lanes& points, std::size_t slot,
+                            std::span<const std::uint8_t> blocked, std::span<const double> E) {
+        for (unsigned i = 0; i < points.count; ++i) {
+            if (!(E[i] > 0.0)) { continue; }
+            v.seen->total += E[i];
+            if (blocked[i] != 0) { continue; }
+            v.seen->open += E[i];
+            v.lit[points.replicate[i]] += seen.L[slot + i];
+        }
+    };
+    const unsigned ways = even ? 1 : 2;  // each takes the points of its sequence in their order
+    const auto lanes = lanes_of(replicates, begin / ways, end / ways);
+    std::uint64_t rays = 0;
+    if (!even) {
+        rays += ask_for_all(
+            source, vertices, light_pair, lanes, stream,
+            [&](const ColoredVertex& /*v*/) { return DomeDirections{&dome}; }, weigh, settle);
+    }
+    const auto by_cosine = [&](const ColoredVertex& v) {
+        return CosineDirections{CosineView(v.receiver->frame, source.scene.transport.two_sided)};
+    };
+    return rays +
+           ask_for_all(source, vertices, response_pair, lanes, stream, by_cosine, weigh, settle);
 }
 
 namespace {

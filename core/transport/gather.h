@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -133,17 +134,34 @@ void gather_direct(const Source& source, const Receiver& receiver, const LightVi
                    const Response& response, const Sequence& sequence, unsigned begin, unsigned end,
                    Rgb& lit, Unblocked* seen, RayQueue<Rgb>& queue);
 
-/// The same points of all replicates at once, of a light of one colour by itself, or of an even sky
-/// by the cosine: an E.
-/// @param lit, all a number a replicate: of what arrives, and of what would with nothing in the way
-/// @return rays asked for
-unsigned gather_irradiance(const Source& source, const Receiver& receiver, const LightView& view,
-                           const Sequence& sequence, std::span<const Lanes> lanes,
-                           std::span<double> lit, std::span<double> all, RayQueue<double>& queue);
-/// Of an even sky of any colours.
-void gather_irradiance(const Source& source, const Receiver& receiver, const EnvironmentView& sky,
-                       const Sequence& sequence, std::span<const Lanes> lanes, std::span<Rgb> lit,
-                       Unblocked& seen, RayQueue<Rgb>& queue);
+/// A vertex whose direct E of a light of one colour is drawn, and its sums: a number a replicate,
+/// of what arrives, and of what would with nothing in the way.
+struct GreyVertex {
+    const Receiver* receiver;
+    std::span<double> lit, all;
+    unsigned* rays;  ///< counts those that it asks for
+};
+/// The same points of all replicates at once for many vertices: of a light of one colour by itself,
+/// or of an even sky by the cosine.
+/// @return rays traced
+std::uint64_t gather_irradiance(const Source& source, std::span<const GreyVertex> vertices,
+                                std::span<const Lanes> lanes, ShadowStream& stream);
+
+/// A vertex whose direct E of a sky of a map is drawn.
+struct ColoredVertex {
+    const Receiver* receiver;
+    std::span<Rgb> lit;  ///< a sum a replicate
+    Unblocked* seen;
+};
+/// Points [begin, end) (even numbers) of all replicates at once for many vertices, drawn and joined
+/// as gather_direct() does: half from the sky, half by the cosine; of an even sky all by the
+/// cosine.
+/// @return rays traced
+std::uint64_t gather_dome(const Source& source, const Dome& dome,
+                          std::span<const ColoredVertex> vertices, unsigned replicates,
+                          unsigned begin, unsigned end, ShadowStream& stream);
+/// A light that gather_dome() draws; nothing of others.
+std::optional<Dome> dome_of(const LightShape& shape);
 
 /// A path that goes on from a place: what it carries, and where it is counted.
 struct Path {

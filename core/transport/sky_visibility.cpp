@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <numbers>
 
@@ -45,26 +46,9 @@ Column sky_visibility(const Stage& stage, const Scene& scene, bool sh, Vertices 
     if (sh) { sky.sh.resize(count * coefficients); }
     const unsigned samples = budget_of(scene.transport.samples).samples();
     const std::vector<Lanes> lanes = lanes_of(1, 0, samples);
-    struct Asking {
-        std::size_t at;  ///< in the column
-        Vec3 wi;
-    };
-    std::array<Asking, ShadowStream::capacity> asking;
     std::vector<std::array<double, coefficients>> T(sh ? count : 0);
-    ShadowStream stream(*stage.bvh);
-    const auto settle = [&] {
-        const auto blocked = stream.trace();
-        sky.rays += blocked.size();
-        for (std::size_t r = 0; r < blocked.size(); ++r) {
-            if (blocked[r] != 0) { continue; }
-            sky.ambient_occlusion[asking[r].at] += 1.0F;  // exact: samples are far fewer than 2^24
-            if (!sh) { continue; }
-            const auto Y = harmonics(asking[r].wi);
-            for (std::size_t k = 0; k < coefficients; ++k) {
-                T[asking[r].at][k] += Y[k] * std::numbers::pi / samples;
-            }
-        }
-    };
+    std::vector<Receiver> receivers;
+    std::vector<std::size_t> asking;  // places in the column
     for (std::size_t at = 0; at < count; ++at) {
         const Receiver receiver = vertex_receiver(stage, vertices[at]);
         if (!receiver.frame.n) { continue; }
@@ -73,20 +57,43 @@ Column sky_visibility(const Stage& stage, const Scene& scene, bool sh, Vertices 
             if (sh) { T[at] = open_transfer(receiver.frame.n); }
             continue;
         }
-        const Sequence sequence(scene.transport.seed, key_of(receiver), sky_number, 0);
-        const CosineView cosine(receiver.frame, false);
+        receivers.push_back(receiver);
+        asking.push_back(at);
+    }
+    ShadowStream stream(*stage.bvh);
+    Brought E;
+    std::vector<Asker<CosineView>> askers;
+    std::array<Vec3, ShadowStream::capacity> wi;
+    const std::size_t together = askers_a_stream(lanes[0]);
+    for (std::size_t begin = 0; begin < receivers.size(); begin += together) {
+        const std::size_t end = std::min(receivers.size(), begin + together);
+        askers.clear();
+        for (std::size_t a = begin; a < end; ++a) {
+            askers.push_back({CosineView(receivers[a].frame, false),
+                              &receivers[a],
+                              {scene.transport.seed, key_of(receivers[a]), sky_number, 0}});
+        }
         for (const Lanes& some : lanes) {
-            const Drawn drawn =
-                draw(cosine, receiver, *stage.bvh, scene.transport, sequence, 0, some);
-            for (unsigned i = 0; i < some.count; ++i) {
-                const ShadowRay ray = drawn.ray(receiver, i);
-                asking[stream.size()] = {at, ray.direction};
-                stream.put(ray);
-                if (stream.full()) { settle(); }
+            draw<CosineView>(askers, *stage.bvh, scene.transport, 0, some, stream, E);
+            const RayFields& fields = stream.fields();
+            for (std::size_t slot = 0; sh && slot < stream.size(); ++slot) {
+                wi[slot] = {fields.direction_x[slot], fields.direction_y[slot],
+                            fields.direction_z[slot]};
+            }
+            const auto blocked = stream.trace();
+            for (std::size_t slot = 0; slot < blocked.size(); ++slot) {
+                sky.rays += E[slot] > 0.0 ? 1 : 0;
+                if (blocked[slot] != 0) { continue; }
+                const std::size_t at = asking[begin + slot / some.count];
+                sky.ambient_occlusion[at] += 1.0F;  // exact: samples are far fewer than 2^24
+                if (!sh) { continue; }
+                const auto Y = harmonics(wi[slot]);
+                for (std::size_t k = 0; k < coefficients; ++k) {
+                    T[at][k] += Y[k] * std::numbers::pi / samples;
+                }
             }
         }
     }
-    settle();
     for (float& open : sky.ambient_occlusion) { open /= static_cast<float>(samples); }
     for (std::size_t i = 0; i < sky.sh.size(); ++i) {
         sky.sh[i] = static_cast<float>(T[i / coefficients][i % coefficients]);

@@ -1,12 +1,14 @@
 #include "core/transport/transport.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/transport/column.h"
+#include "core/transport/delta_rays.h"
 
 namespace relight {
 namespace {
@@ -22,22 +24,27 @@ std::size_t sampled_block(const Scene& scene)
     return static_cast<std::size_t>(std::clamp(rays / a_vertex, 1.0, 256.0));
 }
 
-/// The vertices [begin, end).
-std::vector<std::uint32_t> range(std::size_t begin, std::size_t end)
-{
-    std::vector<std::uint32_t> vertices(end - begin);
-    std::iota(vertices.begin(), vertices.end(), static_cast<std::uint32_t>(begin));
-    return vertices;
-}
+/// The vertices [begin, end) of the file.
+class Range {
+  public:
+    Range(const Stage& stage, std::size_t begin, std::size_t end) : ids_(end - begin)
+    {
+        std::iota(ids_.begin(), ids_.end(), static_cast<std::uint32_t>(begin));
+        Progress never_stopped;
+        fields_ = vertex_fields(*stage.mesh, *stage.surface, ids_, 1, never_stopped);
+    }
+    Vertices vertices() const { return {ids_, &fields_}; }
+
+  private:
+    std::vector<std::uint32_t> ids_;
+    VertexFields fields_;
+};
 
 /// Copies a block's values to where its vertices stand in the whole column.
-template <class From, class To>
-void place(std::vector<To>& whole, const std::vector<From>& part, Vertices vertices)
+void place(std::vector<float>& whole, const std::vector<float>& part, Vertices vertices)
 {
     if (part.size() == vertices.size()) {  // by far the most; a copy of n would call memmove
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            whole[vertices[i]] = static_cast<To>(part[i]);
-        }
+        for (std::size_t i = 0; i < part.size(); ++i) { whole[vertices[i]] = part[i]; }
         return;
     }
     const std::size_t width = part.size() / vertices.size();
@@ -53,12 +60,11 @@ std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t
                                    unsigned threads, Progress& progress,
                                    const std::function<Column(Vertices)>& make)
 {
-    const auto as_filed = stage.surface->order.empty() ? range(0, stage.mesh->positions.size())
-                                                       : std::vector<std::uint32_t>{};
-    const Vertices order = as_filed.empty() ? Vertices(stage.surface->order) : Vertices(as_filed);
+    const Surface& surface = *stage.surface;
+    const std::span<const std::uint32_t> order = surface.order;
     std::atomic<std::uint64_t> rays{0};
     parallel_for(order.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
-        const Vertices some = order.subspan(begin, end - begin);
+        const Vertices some{order.subspan(begin, end - begin), &surface.ordered, begin};
         const Column part = make(some);
         place(shape.E, part.E, some);
         place(shape.visible.share, part.visible.share, some);
@@ -75,18 +81,24 @@ std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t
     return shape;
 }
 
-/// Bytes that are 0 or 1, as bits. `bytes` has room for whole words.
-std::vector<std::uint64_t> packed(std::span<const std::uint8_t> bytes)
+/// Visibility::bits of a delta light: it is not seen where its E is -0, which loses the sign.
+std::vector<std::uint64_t> seen_bits(std::vector<float>& E, unsigned threads, Progress& progress)
 {
-    std::vector<std::uint64_t> bits(bytes.size() / 64);
-    for (std::size_t w = 0; w < bits.size(); ++w) {
-        for (std::size_t k = 0; k < 64; k += 8) {
-            std::uint64_t eight = 0;
-            for (std::size_t b = 8; b-- > 0;) { eight = eight << 8U | bytes[64 * w + k + b]; }
-            // Byte b's bit comes to bit 56 + b: 8 b + (56 - 7 b).
-            constexpr std::uint64_t gather = 0x0102040810204080;
-            bits[w] |= (eight * gather >> 56U) << k;
+    constexpr std::size_t word = 64, words = 1 << 10;
+    std::vector<std::uint64_t> bits((E.size() + word - 1) / word);
+    const std::size_t whole = E.size() / word;
+    parallel_for(whole, words, threads, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t w = begin; w < end; ++w) {
+            bits[w] = seen_word(std::span<float, word>(&E[word * w], word));
         }
+    });
+    if (whole < bits.size()) {
+        std::array<float, word> last;
+        last.fill(-0.0F);
+        const auto first = E.begin() + static_cast<std::ptrdiff_t>(word * whole);
+        std::copy(first, E.end(), last.begin());
+        bits[whole] = seen_word(last);
+        std::copy_n(last.begin(), E.end() - first, first);
     }
     return bits;
 }
@@ -107,26 +119,12 @@ SharedColumn irradiance_column(const Source& source, unsigned threads, Progress&
     shape.E.resize(vertices * shape.bands);
     if (bounces) { shape.E_bounced.resize(vertices * 3); }
     if (sampled) { shape.standard_error.resize(vertices * (bounces ? 3 : shape.bands)); }
-    // Neighbours along a Morton curve share no word of bits: they are told as bytes, without a
-    // race.
-    std::vector<std::uint8_t> seen;
-    if (delta) {
-        seen.resize((vertices + 63) / 64 * 64);
-    } else {
-        shape.visible.share.resize(vertices);
-    }
-    auto whole = whole_column(source.stage, std::move(shape),
-                              sampled ? sampled_block(source.scene) : delta_block, threads,
-                              progress, [&](Vertices some) {
-                                  Column part = direct_and_bounced(source, some);
-                                  if (delta) {
-                                      place(seen, part.visible.share, some);
-                                      part.visible.share.clear();
-                                  }
-                                  return part;
-                              });
-    if (whole && delta) { whole->visible.bits = packed(seen); }
-    return shared(std::move(whole));
+    if (!delta) { shape.visible.share.resize(vertices); }
+    auto whole = whole_column(
+        source.stage, std::move(shape), sampled ? sampled_block(source.scene) : delta_block,
+        threads, progress, [&](Vertices some) { return direct_and_bounced(source, some); });
+    if (whole && delta) { whole->visible.bits = seen_bits(whole->E, threads, progress); }
+    return progress.stopped() ? nullptr : shared(std::move(whole));
 }
 
 SharedColumn radiance_column(const Source& source, unsigned threads, Progress& progress)
@@ -155,14 +153,21 @@ SharedColumn sky_column(const Stage& stage, const Scene& scene, bool sh, unsigne
 Column column(const Stage& stage, const Scene& scene, std::size_t light, std::size_t begin,
               std::size_t end)
 {
-    return direct_and_bounced(Source{stage, scene, scene.lights[light], light}, range(begin, end));
+    const Source source{stage, scene, scene.lights[light], light};
+    Column some = direct_and_bounced(source, Range(stage, begin, end).vertices());
+    if (is_delta(source.light.shape)) {
+        Progress never_stopped;
+        some.visible.bits = seen_bits(some.E, 1, never_stopped);
+    }
+    return some;
 }
 
 Column drawn_radiance(const Stage& stage, const Scene& scene, std::size_t light, std::size_t begin,
                       std::size_t end, std::span<const std::uint32_t> materials)
 {
     const Source source{stage, scene, scene.lights[light], light};
-    return needs_radiance(source) ? radiance_drawn(source, materials, range(begin, end)) : Column{};
+    if (!needs_radiance(source)) { return {}; }
+    return radiance_drawn(source, materials, Range(stage, begin, end).vertices());
 }
 
 Transport trace(const Stage& stage, const Scene& scene, const TransportWanted& wanted,

@@ -1,6 +1,7 @@
 #include "core/display/display.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <bit>
@@ -207,6 +208,39 @@ std::vector<Rgbf> noise(std::size_t count)
     std::vector<Rgbf> L(count);
     for (Rgbf& x : L) { x = {std::exp2(stops(random)), std::exp2(stops(random)), 0.0F}; }
     return L;
+}
+
+TEST(Picture, HasTheCodesOfTheFormulaToTheLastFloatOnEveryInstructionSet)
+{
+    for (const double ev : {0.0, -0.3, 7.3, -40.0, 64.0, 99.9, 110.0, -101.0}) {
+        std::vector<float> bands{0.0F,  -0.0F,      -1.0F,       1e-45F,
+                                 3e38F, infinity_f, -infinity_f, static_cast<float>(nan)};
+        for (int code = 1; code < 256; ++code) {  // where it begins, and the floats on both sides
+            const double begin = srgb_eotf((code - 0.5) / 255.0) / exposure_scale(ev);
+            auto x = static_cast<float>(begin);
+            for (int k = 0; k < 3; ++k) { x = std::nextafter(x, 0.0F); }
+            for (int k = 0; k < 7; ++k) {
+                bands.push_back(x);
+                x = std::nextafter(x, infinity_f);
+            }
+        }
+        std::vector<Rgbf> L;
+        for (std::size_t i = 0; i + 2 < bands.size(); i += 3) {
+            L.push_back({bands[i], bands[i + 1], bands[i + 2]});
+        }
+        const Display display{.exposure_ev = ev};
+        for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+            hwy::SetSupportedTargetsForTest(target);
+            Progress progress;
+            const std::vector<Rgb8> codes = to_srgb8(L, display, 1, progress);
+            for (std::size_t i = 0; i < L.size(); ++i) {
+                EXPECT_EQ(codes[i], to_srgb8(to_double(L[i]), display))
+                    << hwy::TargetName(target) << ", EV " << ev << ": " << L[i][0] << " " << L[i][1]
+                    << " " << L[i][2];
+            }
+        }
+        hwy::SetSupportedTargetsForTest(0);
+    }
 }
 
 TEST(Picture, HasTheSameBytesOnAnyNumberOfThreads)

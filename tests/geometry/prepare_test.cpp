@@ -184,6 +184,34 @@ TEST(Prepare, OrdersAbsentPointsToo)
     EXPECT_FALSE(surface.normals[7]);
 }
 
+TEST(Prepare, TheOrderedCopyIsTheFilesVerticesInTheOrderWithZerosBehind)
+{
+    Mesh cloud = rough(60);
+    cloud.faces = {};
+    cloud.absent = {3, 500};
+    for (const Mesh& mesh : {shuffled(rough(150)), cloud, test::joined({}, {})}) {
+        for (const unsigned threads : {1U, 3U}) {
+            const Surface surface = prepared(mesh, threads);
+            const VertexFields& ordered = surface.ordered;
+            ASSERT_EQ(ordered.size(), mesh.positions.size());
+            for (std::size_t i = 0; i < ordered.size(); ++i) {
+                const std::uint32_t v = surface.order[i];
+                ASSERT_EQ(ordered.p(i), mesh.positions[v]);
+                ASSERT_EQ(ordered.n(i), surface.normals[v]);
+                ASSERT_EQ(ordered.spacing[i], surface.spacing[v]);
+            }
+            for (std::size_t i = ordered.size(); i < ordered.size() + VertexFields::spare; ++i) {
+                for (const auto& field : {ordered.p_x, ordered.p_y, ordered.p_z, ordered.n_x,
+                                          ordered.n_y, ordered.n_z}) {
+                    ASSERT_EQ(field.data()[i], 0.0);
+                }
+                ASSERT_EQ(ordered.spacing.data()[i], 0.0F);
+            }
+            EXPECT_GE(ordered.bytes(), 52 * mesh.positions.size());
+        }
+    }
+}
+
 TEST(Prepare, StoppedAtAnyMomentEnds)
 {
     Mesh cloud = rough(150);

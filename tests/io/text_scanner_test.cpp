@@ -61,6 +61,51 @@ TEST(TextScanner, CountsLinesOfEveryKind)
     EXPECT_TRUE(scanner.at_end());
 }
 
+TEST(TextScanner, APlainNumberIsWhatParseRealSaysOrNothing)
+{
+    for (const std::string word :
+         {"1",     "-1.5", ".5",  "1.",   "-0",  "1e5", "1E-05",  "+1",     "1e16",
+          "-1e16", "nan",  "inf", "1.0x", "1#2", "1e",  "1e400",  "1e-400", "1.#INF",
+          "0x1",   "--1",  "1/2", "1e15", "a",   ".",   "3.1+e2", "00001",  "1\\"}) {
+        for (const char* after : {"", " 7", "\t7", "\n7", "\r\n"}) {
+            const std::string text = " " + word + after;
+            TextScanner scanner(bytes(text));
+            const auto plain = scanner.plain_real(1e15);
+            const Number<double> number = parse_real(word);
+            const bool allowed = number && std::abs(number.value) <= 1e15;
+            if (plain) {
+                EXPECT_TRUE(allowed) << text;
+                EXPECT_EQ(*plain, number.value) << text;
+                EXPECT_TRUE(scanner.at_line_end() || scanner.word() == "7") << text;
+            } else {
+                EXPECT_EQ(scanner.word(), word) << text;  // still there
+                EXPECT_TRUE(!allowed || word == "+1" || word == "1e-400") << text;
+            }
+        }
+    }
+}
+
+TEST(TextScanner, APlainCornerNamesUpToThreeIndicesFromOneUp)
+{
+    using Corner = std::array<std::uint32_t, 3>;
+    const auto read = [](const std::string& text) -> std::optional<Corner> {
+        TextScanner scanner(bytes(text));
+        Corner corner{};
+        if (scanner.plain_corner(corner)) { return corner; }
+        EXPECT_EQ(scanner.word(), text.substr(0, text.find(' ')));  // still there
+        return {};
+    };
+    EXPECT_EQ(read("7"), (Corner{7, 0, 0}));
+    EXPECT_EQ(read("7/8"), (Corner{7, 8, 0}));
+    EXPECT_EQ(read("7//9"), (Corner{7, 0, 9}));
+    EXPECT_EQ(read("7/8/9 10"), (Corner{7, 8, 9}));
+    EXPECT_EQ(read("999999999/0012\n"), (Corner{999'999'999, 12, 0}));
+    for (const char* other : {"-1", "+1", "0", "7/0", "7/", "7//", "/7", "7/8/", "7///9", "7/8/9/",
+                              "7/8/9x", "7x", "1000000000", "7//9#", "#", "7\\", "v"}) {
+        EXPECT_FALSE(read(other)) << other;
+    }
+}
+
 TEST(Shown, IsShortPrintableAndQuoted)
 {
     EXPECT_EQ(shown("float16"), "'float16'");

@@ -89,7 +89,8 @@ struct Lit {
 /// The answer to a file, looked at: nothing may be wrong with it that was not before.
 Glb answered(const std::string& file, const LitMesh& lit, const std::string& name)
 {
-    const Result<std::string> answer = add_to_gltf(std::as_bytes(std::span(file)), lit);
+    const Result<std::string> answer =
+        add_to_gltf(std::as_bytes(std::span(file)), lit).transform(whole);
     EXPECT_TRUE(answer) << name << ": " << (answer ? "" : answer.error().detail);
     if (!answer) { return {}; }
     test::keep(name + ".answer.glb", *answer);
@@ -356,7 +357,7 @@ TEST(GltfAnswer, AnAnswerCanBeAnsweredAgain)
     const Triangle triangle;
     const Lit lit(triangle.json);
     const std::string file = glb_of(triangle.json, triangle.binary);
-    const std::string once = *add_to_gltf(std::as_bytes(std::span(file)), lit.lit());
+    const std::string once = whole(*add_to_gltf(std::as_bytes(std::span(file)), lit.lit()));
     const Lit again(as_glb(once).json);
     EXPECT_EQ(again.mesh.positions.size(), lit.mesh.positions.size());
     expect_lit(answered(once, again.lit(), "again"), again, "again");

@@ -48,7 +48,8 @@ TEST(GltfRoundTrip, AnAnsweredFileIsTheSameMeshInOurColours)
         const Mesh& mesh = before->mesh;
         const std::vector<Rgb8> color = codes(mesh.positions.size());
         const auto answer =
-            add_to_gltf(std::as_bytes(std::span(file)), LitMesh{mesh, {}, color, {}, {}});
+            add_to_gltf(std::as_bytes(std::span(file)), LitMesh{mesh, {}, color, {}, {}})
+                .transform(whole);
         ASSERT_TRUE(answer) << name << ": " << answer.error().detail;
         test::keep(name + ".decoded.answer.glb", *answer);
         test::keep(name + (file.starts_with("glTF") ? ".decoded.sent.glb" : ".decoded.sent.gltf"),
@@ -106,7 +107,8 @@ TEST(GltfRoundTrip, UnfoldedInstancesStandWhereTheInstancesStood)
     ASSERT_EQ(before->mesh.positions.size(), 9U);
     const std::vector<Rgb8> color = codes(9);
     const auto answer =
-        add_to_gltf(std::as_bytes(std::span(file)), LitMesh{before->mesh, {}, color, {}, {}});
+        add_to_gltf(std::as_bytes(std::span(file)), LitMesh{before->mesh, {}, color, {}, {}})
+            .transform(whole);
     ASSERT_TRUE(answer) << answer.error().detail;
     EXPECT_EQ(test::checked_glb(*answer).faults, std::vector<std::string>{});
     const Result<Asset> after = decoded(*answer);

@@ -22,7 +22,7 @@ TEST(SceneJson, ReadsInlineArraysAsTheyAre)
 {
     const auto request = parsed(R"({"mesh":{"positions":[[0.1,2,-3e2],[4,5,6],[7,8,9]],
         "faces":[[2,1,0]],"normals":[[0,0,2],[0,1,0],[1,0,0]],"colors":[[0,0.5,1],[1,1,1],[0,0,0]]}})");
-    const Mesh& mesh = std::get<Mesh>(request.mesh);
+    const Mesh& mesh = std::get<InlineMesh>(request.mesh)->mesh;
     EXPECT_EQ(mesh.positions[0], (Point3{0.1, 2, -300}));
     EXPECT_EQ(mesh.faces.indices, (std::vector<std::uint32_t>{2, 1, 0}));
     EXPECT_EQ(mesh.normals[0], (Vec3{0, 0, 2}));

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <random>
 
+#include "core/transport/delta_rays.h"
 #include "core/transport/receiver.h"
 #include "core/transport/transport.h"
 #include "tests/scenes.h"
@@ -134,6 +135,72 @@ TEST(DeltaColumn, IsTheSameOnEveryInstructionSet)
     }
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+/// Floats hide the last bits of what they are made of; doubles do not.
+TEST(DeltaRays, AreThoseOfShadowRayToTheLastBitOfADouble)
+{
+    const Stage stage = test::staged(ball_over_floor());
+    const Bvh& bvh = *stage.bvh;
+    for (const Point3 place : {Point3{0.5, -0.4, 1.5}, {0.1, 0.05, 0.6}, {1e9, 2e9, 1e9}}) {
+        const LightShape shape = PointLight{place, {}};
+        DeltaGeometry light;
+        light.place = place;
+        light.length_unit_m = 0.37;
+        light.reach = std::numeric_limits<double>::infinity();
+        light.box = bvh.box();
+        light.clearance = bvh.clearance();
+        ShadowStream rays(bvh);
+        RayFields::Field<float> E;
+        const std::size_t count = std::min(ShadowStream::capacity, stage.surface->order.size());
+        const auto told = light_up(light, stage.surface->ordered, 0, count, nullptr, E, &rays);
+        ASSERT_TRUE(told);
+        ASSERT_EQ(rays.size(), count);
+        std::size_t facing = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Receiver receiver = vertex_receiver(stage, stage.surface->order[i]);
+            const Arrival arrival = arrive(shape, receiver.p);
+            if (!(dot(receiver.frame.n, arrival.wi) > 0.0)) { continue; }
+            ++facing;
+            const ShadowRay ray = shadow_ray(bvh, receiver, arrival.wi, arrival.distance, {});
+            const RayFields& f = rays.fields();
+            ASSERT_EQ((Point3{f.origin_x[i], f.origin_y[i], f.origin_z[i]}), ray.origin) << i;
+            ASSERT_EQ((Vec3{f.direction_x[i], f.direction_y[i], f.direction_z[i]}),
+                      Vec3(ray.direction))
+                << i;
+            ASSERT_EQ(f.from[i], ray.from) << i;
+            ASSERT_EQ(f.distance[i], ray.distance) << i;
+        }
+        EXPECT_EQ(*told, facing);
+    }
+}
+
+TEST(DeltaColumn, OfAnyRangeIsThatPartOfTheWholeToTheLastBit)
+{
+    const Stage stage = test::staged(ball_over_floor());
+    const std::size_t vertices = stage.mesh->positions.size();
+    for (const LightShape& shape : delta_lights(stage.mesh->positions[100])) {
+        for (const unsigned bounces : {0U, 1U}) {
+            Scene scene;
+            scene.lights = {test::light_of(shape)};
+            scene.transport.bounces = bounces;
+            scene.transport.samples = 2;
+            Progress progress;
+            const auto whole = trace(stage, scene, {}, progress).columns[0];
+            ASSERT_EQ(whole->visible.bits.size(), (vertices + 63) / 64);
+            for (const auto& [begin, end] :
+                 {std::pair(std::size_t{0}, vertices), {1, 65}, {700, 701}, {5, 5}}) {
+                const Column part = column(stage, scene, 0, begin, end);
+                ASSERT_EQ(part.E.size(), end - begin);
+                for (std::size_t v = begin; v < end; ++v) {
+                    ASSERT_EQ(std::bit_cast<std::uint32_t>(part.E[v - begin]),
+                              std::bit_cast<std::uint32_t>(whole->E[v]));
+                    ASSERT_FALSE(std::signbit(whole->E[v]));
+                    ASSERT_EQ(part.visible[v - begin], whole->visible[v]);
+                }
+            }
+        }
+    }
 }
 
 TEST(DeltaColumn, FollowsItsVerticesWhenTheyAreShuffled)

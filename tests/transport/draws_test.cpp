@@ -27,24 +27,63 @@ Receiver receiver_at(Point3 p, Dir3 n)
     return {p, p, frame_around(n), n, {1e-4, 0.0}};
 }
 
-/// Rays of `view` against one sample after the other: what each brings to the bit; where it goes
-/// within 16 roundings, of the coordinates too, which the scalar function adds before it subtracts.
+/// The slot's ray, as it was put.
+ShadowRay ray_of(ShadowStream& stream, std::size_t slot)
+{
+    const RayFields& f = stream.fields();
+    return {{f.origin_x[slot], f.origin_y[slot], f.origin_z[slot]},
+            unit_already({f.direction_x[slot], f.direction_y[slot], f.direction_z[slot]}),
+            f.from[slot],
+            f.distance[slot]};
+}
+
+/// It is what ShadowStream::put() writes, or is passed over.
+void expect_as_put(ShadowStream& stream, std::size_t slot, const Bvh& bvh, bool passed_over)
+{
+    const RayFields& f = stream.fields();
+    const BoxRay box = bvh.box().ray(ray_of(stream, slot));
+    if (passed_over) {
+        ASSERT_EQ(f.tfar[slot], -std::numeric_limits<float>::infinity());
+        return;
+    }
+    ASSERT_EQ(f.tfar[slot], box.tfar);
+    ASSERT_EQ(f.tnear[slot], box.tnear);
+    ASSERT_EQ(f.org_x[slot], box.org_x);
+    ASSERT_EQ(f.org_y[slot], box.org_y);
+    ASSERT_EQ(f.org_z[slot], box.org_z);
+    ASSERT_EQ(f.dir_x[slot], box.dir_x);
+    ASSERT_EQ(f.dir_y[slot], box.dir_y);
+    ASSERT_EQ(f.dir_z[slot], box.dir_z);
+}
+
+constexpr double ulps = 1e-15;  // of products in another order
+
+/// Rays of `view` against one sample after the other: what each brings within some roundings; where
+/// it goes within 16, of the coordinates too, which the scalar function adds before it subtracts.
 template <class View>
 void expect_the_scalar_rays(const View& view, const Receiver& receiver, const Stage& stage,
                             const TransportOptions& options, std::uint64_t key)
 {
     const Sequence sequence(1, key, 2, 0);
+    // Beside others, whose vectors reach into each other's slots.
+    const std::vector<Asker<View>> askers(3, {view, &receiver, sequence});
+    ShadowStream stream(*stage.bvh);
+    Brought E;
     for (const Lanes& lanes : lanes_of(7, 1, 12)) {
-        const Drawn drawn = draw(view, receiver, *stage.bvh, options, sequence, 3, lanes);
-        for (unsigned i = 0; i < lanes.count; ++i) {
+        draw<View>(askers, *stage.bvh, options, 3, lanes, stream, E);
+        ASSERT_EQ(stream.size(), 3 * lanes.count);
+        for (unsigned slot = 0; slot < stream.size(); ++slot) {
+            const unsigned i = slot % lanes.count;
             const Sample2 s = sequence.replicate(lanes.replicate[i]).at(lanes.point[i], 3);
             LightSample there;
             if (view.is_seen()) { there = view.sample_direction(s); }
             const double cos_n = dot(receiver.frame.n, there.wi);
             const double cos_i = options.two_sided ? std::abs(cos_n) : std::max(0.0, cos_n);
-            ASSERT_EQ(drawn.E[i], cos_i > 0.0 ? there.L.r * cos_i / there.pdf : 0.0);
-            if (!(drawn.E[i] > 0.0)) { continue; }
-            const ShadowRay ray = drawn.ray(receiver, i);
+            const double brought = cos_i > 0.0 ? there.L.r * cos_i / there.pdf : 0.0;
+            ASSERT_NEAR(E[slot], brought, ulps * brought);
+            expect_as_put(stream, slot, *stage.bvh, brought == 0.0);
+            if (!(brought > 0.0)) { continue; }
+            const ShadowRay ray = ray_of(stream, slot);
             const ShadowRay expected =
                 shadow_ray(*stage.bvh, receiver, there.wi, there.distance, options);
             ASSERT_EQ(ray.origin, expected.origin);
@@ -92,12 +131,16 @@ TEST(Draws, EveryLaneIsWhatTheScalarFunctionsGive)
         // By area: as sample() has it.
         const Sequence sequence(1, item, 2, 0);
         const Lanes lanes = lanes_of(1, 0, 8)[0];
-        const Drawn drawn = draw(seen, receiver, *stage.bvh, options, sequence, 3, lanes);
+        ShadowStream stream(*stage.bvh);
+        Brought E;
+        const std::vector<Asker<RectView>> asker{{seen, &receiver, sequence}};
+        draw<RectView>(asker, *stage.bvh, options, 3, lanes, stream, E);
         for (unsigned i = 0; i < lanes.count; ++i) {
             const LightSample there = sample(rect, p, sequence.at(i, 3));
             const double cos_n = dot(receiver.frame.n, there.wi);
             const double cos_i = options.two_sided ? std::abs(cos_n) : std::max(0.0, cos_n);
-            EXPECT_EQ(drawn.E[i], cos_i > 0.0 ? cos_i / there.pdf : 0.0);
+            const double brought = cos_i > 0.0 ? cos_i / there.pdf : 0.0;
+            EXPECT_NEAR(E[i], brought, ulps * brought);
         }
     }
 }
@@ -124,16 +167,66 @@ TEST(Draws, FewLanesAreTheSameAsMany)
     const RectView view(RectLight{{0, 0, 3}, {0, 1, 0}, {1, 0, 0}, false}, receiver.p);
     const Sequence sequence(1, 5, 2, 0);
     const Lanes all = lanes_of(8, 0, 8)[0];
-    const Drawn many = draw(view, receiver, *stage.bvh, {}, sequence, 0, all);
+    ShadowStream stream(*stage.bvh);
+    Brought many, alone;
+    const std::vector<Asker<RectView>> asker{{view, &receiver, sequence}};
+    draw<RectView>(asker, *stage.bvh, {}, 0, all, stream, many);
+    std::vector<ShadowRay> rays;
+    for (unsigned i = 0; i < all.count; ++i) { rays.push_back(ray_of(stream, i)); }
     for (unsigned i = 0; i < all.count; ++i) {
         Lanes one;
         one.count = 1;
         one.replicate[0] = all.replicate[i];
         one.point[0] = all.point[i];
-        const Drawn alone = draw(view, receiver, *stage.bvh, {}, sequence, 0, one);
-        EXPECT_EQ(alone.E[0], many.E[i]);
-        EXPECT_EQ(alone.x[0], many.x[i]);
-        EXPECT_EQ(alone.distance[0], many.distance[i]);
+        draw<RectView>(asker, *stage.bvh, {}, 0, one, stream, alone);
+        EXPECT_EQ(alone[0], many[i]);
+        EXPECT_EQ(ray_of(stream, 0).direction, rays[i].direction);
+        EXPECT_EQ(ray_of(stream, 0).distance, rays[i].distance);
+    }
+}
+
+TEST(Draws, ASkysDirectionsAreThoseOfItsView)
+{
+    Image image{16, 8, {}, {}};
+    for (int i = 0; i < 128; ++i) {
+        const float L = static_cast<float>(uniform(3, static_cast<std::uint64_t>(i), 0, 0));
+        image.pixels.push_back({L, 2.0F * L, i % 7 == 0 ? 9.0F : 0.0F});
+    }
+    const LightShape shapes[] = {
+        EnvironmentLight{std::make_shared<const EnvironmentMap>(std::move(image)), 0.7},
+        make_sky(normalize({0.5, 0.7, 0.3}), 3.0)};
+    const Stage stage = test::staged(test::icosphere(2));
+    const Receiver receiver = receiver_at({0, 0, 1.5}, normalize({0.1, 1.0, 0.3}));
+    const Sequence sequence(1, 5, 2, 0);
+    for (const LightShape& shape : shapes) {
+        const auto* sky = std::get_if<SkyLight>(&shape);
+        const Dome dome =
+            sky != nullptr ? dome_of(*sky) : dome_of(std::get<EnvironmentLight>(shape));
+        const LightView seen = view(shape, receiver.p);
+        ShadowStream stream(*stage.bvh);
+        Brought E;
+        DomeLanes looked;
+        const std::vector<Asker<DomeDirections>> askers(3, {{&dome}, &receiver, sequence});
+        const Lanes lanes = lanes_of(8, 0, 8)[0];
+        draw<DomeDirections>(askers, *stage.bvh, {}, 0, lanes, stream, E);
+        ASSERT_EQ(stream.size(), 3 * lanes.count);
+        for (unsigned slot = 0; slot < stream.size(); ++slot) {
+            const Vec3 wi = ray_of(stream, slot).direction;
+            looked.x[slot] = wi.x, looked.y[slot] = wi.y, looked.z[slot] = wi.z;
+        }
+        look(dome, stream.size(), looked);
+        for (unsigned slot = 0; slot < stream.size(); ++slot) {
+            const unsigned i = slot % lanes.count;
+            const Sequence own = sequence.replicate(lanes.replicate[i]);
+            const LightSample there =
+                sample(seen, own.at(lanes.point[i], 0), own.at(lanes.point[i], 1).u);
+            EXPECT_LE(length(Vec3(ray_of(stream, slot).direction) - there.wi), 1e-15);
+            EXPECT_NEAR(looked.pdf[slot], there.pdf, 1e-14 * there.pdf);
+            EXPECT_NEAR(looked.L[slot].g, there.L.g, 1e-14 * there.L.g);
+            const double cos_i = std::max(0.0, dot(receiver.frame.n, there.wi));
+            EXPECT_NEAR(E[slot], cos_i, 1e-15);
+            expect_as_put(stream, slot, *stage.bvh, E[slot] == 0.0);
+        }
     }
 }
 
