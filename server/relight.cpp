@@ -1,12 +1,8 @@
 #include "server/relight.h"
 
-#include <algorithm>
-#include <atomic>
-#include <bit>
-#include <limits>
-
 #include "core/shade/shade.h"
 #include "server/encode.h"
+#include "server/finite.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 #include "server/negotiate.h"
@@ -15,34 +11,6 @@
 
 namespace relight {
 namespace {
-
-/// Values beyond single precision become its largest: an answer holds finite numbers only. Returns
-/// how many there were.
-std::size_t clamp_to_finite(std::vector<Rgbf>& values, unsigned threads)
-{
-    constexpr std::size_t block = 1 << 15;
-    Progress to_the_end;
-    std::atomic<std::size_t> clamped{0};
-    parallel_for(
-        values.size(), block, threads, to_the_end, [&](std::size_t begin, std::size_t end) {
-            // The usual case first, without a branch and in one loop, which becomes vectors: the
-            // exponent of none is all ones.
-            std::uint32_t beyond = 0;
-            const float* const bands = values[begin].data();
-            for (std::size_t i = 0; i < 3 * (end - begin); ++i) {
-                beyond |= (std::bit_cast<std::uint32_t>(bands[i]) & 0x7fffffffU) + 0x00800000U;
-            }
-            if ((beyond & 0x80000000U) == 0) { return; }
-            for (std::size_t v = begin; v < end; ++v) {
-                for (float& band : values[v]) {
-                    if (band <= std::numeric_limits<float>::max()) { continue; }
-                    band = std::numeric_limits<float>::max();
-                    ++clamped;
-                }
-            }
-        });
-    return clamped;
-}
 
 /// Looks a column up among those that are kept, or keeps the one that is made.
 Keep keeper(const SetUp& made, bool sh, const Workshop& workshop, Progress& progress)

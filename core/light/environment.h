@@ -82,8 +82,7 @@ class EnvironmentView {
 
     LightSample sample(Sample2 s) const;
     LightSample look(Dir3 wi) const;
-    const EnvironmentMap* map() const { return map_; }  ///< null: 1 everywhere
-    Vec3 in_map(Dir3 wi) const;                         ///< wi as the map has it
+    Vec3 in_map(Dir3 wi) const;  ///< wi as the map has it
 
   private:
     const EnvironmentMap* map_;

@@ -101,32 +101,27 @@ std::vector<kernel::Summand> summands(const Transport& transport, const Scene& s
     return lights;
 }
 
-/// Takes the memory of `old` for what is asked for; what no loop will write is 0.
-Shaded sized(Shaded old, const Transport& transport, const ShadeOptions& options,
-             std::size_t vertices)
+/// Room for what is asked for.
+Shaded sized(const Transport& transport, const ShadeOptions& options, std::size_t vertices)
 {
-    old.irradiance.resize(vertices);
-    old.radiance.resize(options.radiance ? vertices : 0);
-    old.standard_error.resize(options.standard_error ? vertices : 0);
-    old.per_light.resize(options.per_light ? transport.columns.size() : 0);
-    for (std::size_t l = 0; l < old.per_light.size(); ++l) {
-        old.per_light[l].resize(vertices);
-        if (transport.columns[l] == nullptr) {
-            std::fill(old.per_light[l].begin(), old.per_light[l].end(), Rgbf{});
-        }
-    }
-    return old;
+    Shaded shaded;
+    shaded.irradiance.resize(vertices);
+    shaded.radiance.resize(options.radiance ? vertices : 0);
+    shaded.standard_error.resize(options.standard_error ? vertices : 0);
+    shaded.per_light.resize(options.per_light ? transport.columns.size() : 0);
+    for (auto& one : shaded.per_light) { one.resize(vertices); }
+    return shaded;
 }
 
 }  // namespace
 
 Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
-             const ShadeOptions& options, Progress& progress, Shaded reuse)
+             const ShadeOptions& options, Progress& progress)
 {
     const std::size_t vertices = stage.mesh->positions.size();
     const auto materials =
         options.radiance ? vertex_materials(stage, scene) : std::vector<std::uint32_t>{};
-    Shaded shaded = sized(std::move(reuse), transport, options, vertices);
+    Shaded shaded = sized(transport, options, vertices);
     const auto lights = summands(transport, scene, shaded);
     const Shining shining(stage, transport, scene, 0);
     std::deque<kernel::PreparedMaterial> prepared;

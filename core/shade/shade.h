@@ -40,9 +40,7 @@ VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, c
 
 /// columns x powers x material -> E and Lo. Sums run over the lights in their order, in double; f
 /// of materials that are not Lambertian under delta lights is a float, by the kernels (kernels.h).
-/// `reuse`: an answer that is no longer needed, whose memory this one takes (fresh memory costs
-/// more than the arithmetic).
 Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
-             const ShadeOptions& options, Progress& progress, Shaded reuse = {});
+             const ShadeOptions& options, Progress& progress);
 
 }  // namespace relight

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <string_view>
+
+#include "core/base/vectors.h"
+
+// CMakeLists.txt has this file optimised for vectors.
 
 namespace relight {
 
@@ -14,16 +19,20 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
     constexpr float lit_at_all = 1e-3F;  // of the brightest
     constexpr std::size_t block = 1 << 14;
     std::vector<float> E(irradiance.size());
-    std::vector<float> brightest_of(E.size() / block + 1);  // each block
+    std::vector<std::uint32_t> brightest_of(E.size() / block + 1);  // each block; as bits, whose
+                                                                    // order is that of the numbers
     parallel_for(E.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
-        float brightest = 0.0F;
-        for (std::size_t v = begin; v < end; ++v) {
-            E[v] = static_cast<float>(luminance(to_double(irradiance[v])));
-            brightest = std::max(brightest, E[v]);
-        }
+        std::uint32_t brightest = 0;
+        in_vectors([&] {
+            for (std::size_t v = begin; v < end; ++v) {
+                E[v] = static_cast<float>(luminance(to_double(irradiance[v])));
+                brightest = std::max(brightest, std::bit_cast<std::uint32_t>(E[v]));
+            }
+        });
         brightest_of[begin / block] = brightest;
     });
-    const float brightest = *std::max_element(brightest_of.begin(), brightest_of.end());
+    const auto brightest =
+        std::bit_cast<float>(*std::max_element(brightest_of.begin(), brightest_of.end()));
     const auto is_sharp = [&](std::uint32_t a, std::uint32_t b) {
         const float larger = std::max(E[a], E[b]);
         const float apart = std::abs(E[a] - E[b]);
@@ -41,20 +50,34 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
     // An edge that is sharp falls to less than half of the face's brightest corner.
     const std::uint32_t* const corners = faces.indices.data();
     const bool triangles = faces.offsets.empty();
-    const auto falls_by_half = [&](std::size_t f) {
-        if (!triangles) { return true; }
-        const float a = E[corners[3 * f]], b = E[corners[3 * f + 1]], c = E[corners[3 * f + 2]];
+    const float* const of = E.data();
+    const auto falls_by_half = [=](std::size_t f) {
+        const float a = of[corners[3 * f]], b = of[corners[3 * f + 1]], c = of[corners[3 * f + 2]];
         return std::min(a, std::min(b, c)) < 0.5F * std::max(a, std::max(b, c));
     };
+    const auto one_falls_by_half = [&](std::size_t begin, std::size_t end) {
+        std::uint32_t falls = 0;
+        in_vectors([&] {
+            for (std::size_t f = begin; f < end; ++f) { falls |= falls_by_half(f) ? 1U : 0U; }
+        });
+        return falls != 0;
+    };
+    const auto look_at = [&](std::size_t f) {
+        for (std::size_t c = faces.begin(f), before = faces.end(f) - 1; c < faces.end(f);
+             before = c++) {
+            const std::uint32_t a = faces.indices[before], b = faces.indices[c];
+            if (!is_sharp(a, b)) { continue; }
+            mark(a);
+            mark(b);
+        }
+    };
+    constexpr std::size_t few = 64;  // faces that are passed over together
     parallel_for(faces.count(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t f = begin; f < end; ++f) {
-            if (!falls_by_half(f)) { continue; }
-            for (std::size_t c = faces.begin(f), before = faces.end(f) - 1; c < faces.end(f);
-                 before = c++) {
-                const std::uint32_t a = faces.indices[before], b = faces.indices[c];
-                if (!is_sharp(a, b)) { continue; }
-                mark(a);
-                mark(b);
+        for (std::size_t some = begin; some < end; some += few) {
+            const std::size_t behind = std::min(some + few, end);
+            if (triangles && !one_falls_by_half(some, behind)) { continue; }
+            for (std::size_t f = some; f < behind; ++f) {
+                if (!triangles || falls_by_half(f)) { look_at(f); }
             }
         }
     });

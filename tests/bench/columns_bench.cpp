@@ -56,7 +56,7 @@ void relight(benchmark::State& state, Answer answer, std::size_t lights)
     Shaded shaded;
     while (state.KeepRunning()) {
         scene.lights[0].power = scene.lights[0].power * 1.0001;
-        shaded = shade(stage, transport, scene, options, progress, std::move(shaded));
+        shaded = shade(stage, transport, scene, options, progress);
         benchmark::DoNotOptimize(shaded.irradiance.data());
         if (answer == Answer::E) { continue; }
         const auto color = to_srgb8(shaded.radiance, {}, threads(state), progress);

@@ -86,7 +86,7 @@ void count_shade()
     const auto vertex_lights = [&](const Scene& scene) {
         return
             [&, scene, transport = trace(stage, scene, {}, progress), shaded = Shaded{}]() mutable {
-                shaded = shade(stage, transport, scene, options, progress, std::move(shaded));
+                shaded = shade(stage, transport, scene, options, progress);
                 return shaded.irradiance.size() * scene.lights.size();
             };
     };

@@ -35,7 +35,7 @@ void shade_lights(benchmark::State& state, const Material& material)
     const Transport transport = trace(stage, scene, {}, progress);
     Shaded shaded;
     while (state.KeepRunning()) {
-        shaded = shade(stage, transport, scene, options, progress, std::move(shaded));
+        shaded = shade(stage, transport, scene, options, progress);
         benchmark::DoNotOptimize(shaded.radiance.data());
     }
     rate(state, "vertex_lights", stage.mesh->positions.size() * scene.lights.size());
@@ -52,7 +52,7 @@ BENCHMARK_CAPTURE(shade_lights, principled, Principled{})
     ->Apply(sizes_and_threads);
 
 /// E alone: what a change of power costs.
-void E_from_columns(benchmark::State& state, std::size_t lights, bool reused)
+void E_from_columns(benchmark::State& state, std::size_t lights)
 {
     const Stage& stage = terrain_stage(vertices(state));
     const Scene scene = lights_above(lights, Lambert{});
@@ -63,22 +63,14 @@ void E_from_columns(benchmark::State& state, std::size_t lights, bool reused)
     const Transport transport = trace(stage, scene, {}, progress);
     Shaded shaded;
     while (state.KeepRunning()) {
-        Shaded old = reused ? std::move(shaded) : Shaded{};
-        shaded = shade(stage, transport, scene, options, progress, std::move(old));
+        shaded = shade(stage, transport, scene, options, progress);
         benchmark::DoNotOptimize(shaded.irradiance.data());
     }
     rate(state, "vertex_lights", stage.mesh->positions.size() * lights);
 }
-BENCHMARK_CAPTURE(E_from_columns, one, 1, true)->Name("E from 1 column")->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(E_from_columns, four, 4, true)
-    ->Name("E from 4 columns")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(E_from_columns, sixteen, 16, true)
-    ->Name("E from 16 columns")
-    ->Apply(sizes_and_threads);
-BENCHMARK_CAPTURE(E_from_columns, fresh, 4, false)
-    ->Name("E from 4 columns into fresh memory")
-    ->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(E_from_columns, one, 1)->Name("E from 1 column")->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(E_from_columns, four, 4)->Name("E from 4 columns")->Apply(sizes_and_threads);
+BENCHMARK_CAPTURE(E_from_columns, sixteen, 16)->Name("E from 16 columns")->Apply(sizes_and_threads);
 
 /// memcpy of half of the bytes a vertex that must be read and written.
 void move_bytes(benchmark::State& state, std::size_t bytes, std::size_t lights)

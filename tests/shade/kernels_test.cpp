@@ -456,23 +456,5 @@ TEST(Kernels, EachVertexHasItsOwnMaterialColourAndGlow)
     expect_near_scalar(stage, lit, 8.0, "four materials from behind");
 }
 
-TEST(Kernels, MemoryOfAnOldAnswerLeavesNoTraceInTheNext)
-{
-    const Stage stage = test::staged(test::grid(5));
-    const Lighting lit = of_many(stage, make_cook_torrance({}));
-    Progress progress;
-    Shaded old;
-    old.irradiance.assign(100, Rgbf{7, 7, 7});
-    old.radiance = old.standard_error = old.irradiance;
-    old.per_light.assign(9, old.irradiance);
-    const ShadeOptions options{true, true, false, 1};
-    const Shaded fresh = shade(stage, lit.transport, lit.scene, options, progress);
-    const Shaded reused = shade(stage, lit.transport, lit.scene, options, progress, std::move(old));
-    EXPECT_EQ(fresh.irradiance, reused.irradiance);
-    EXPECT_EQ(fresh.radiance, reused.radiance);
-    EXPECT_EQ(fresh.per_light, reused.per_light);
-    EXPECT_TRUE(reused.standard_error.empty());
-}
-
 }  // namespace
 }  // namespace relight

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/base/rgb.h"
+
+namespace relight {
+
+/// Values beyond single precision become its largest: an answer holds finite numbers only. Returns
+/// how many there were.
+std::size_t clamp_to_finite(std::vector<Rgbf>& values, unsigned threads);
+
+}  // namespace relight
