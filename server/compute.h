@@ -18,8 +18,8 @@
 
 namespace relight {
 
-/// The few threads that compute; connection threads only wait for them. Jobs start in the order
-/// they came; a queue that is full refuses at once.
+/// The few threads that compute; connection threads wait for them, and write answers while they
+/// send them. Jobs start in the order they came; a queue that is full refuses at once.
 class ComputePool {
   public:
     using Job = std::function<void(Progress&)>;

@@ -142,9 +142,8 @@ bool keeps_source(Format format, const Mesh& mesh)
     return format == Format::Las || (format == Format::Glb && !mesh.pieces.empty());
 }
 
-Result<Encoding> encode_mesh(const std::shared_ptr<const Lit>& lit, Display display,
-                             const Output& output, Format format, bool last, unsigned threads,
-                             Progress& progress)
+Result<Encoding> encode_mesh(const std::shared_ptr<Lit>& lit, Display display, const Output& output,
+                             Format format, bool last, unsigned threads, Progress& progress)
 {
     const Quantities& wanted = output.quantities;
     auto made = std::make_shared<Derived>();
@@ -157,6 +156,10 @@ Result<Encoding> encode_mesh(const std::shared_ptr<const Lit>& lit, Display disp
     if (wanted.visibility) {
         made->visible = visibilities(lit->transport, lit->stage.mesh->positions.size());
     }
+    // A slow client holds what is sent, not what it was made of.
+    lit->transport.columns.clear();
+    lit->transport.drawn.clear();
+    lit->stage.bvh = nullptr;
     const bool arrays = format == Format::Json || format == Format::Fields;
     if (wanted.normal && arrays) { made->normals = normal_floats(lit->stage.surface->normals); }
     if (wanted.sh && !arrays && format != Format::Npz) {

@@ -29,8 +29,7 @@ bool keeps_source(Format format, const Mesh& mesh);
 /// the display says so. It is written while it is sent; the Encoding holds what it needs, and knows
 /// its length but for text. `last`: no better message follows (of raw fields).
 /// Errors: those of encode_las() and add_to_gltf(); NotAvailable (a GLB beyond 4 GiB).
-Result<Encoding> encode_mesh(const std::shared_ptr<const Lit>& lit, Display display,
-                             const Output& output, Format format, bool last, unsigned threads,
-                             Progress& progress);
+Result<Encoding> encode_mesh(const std::shared_ptr<Lit>& lit, Display display, const Output& output,
+                             Format format, bool last, unsigned threads, Progress& progress);
 
 }  // namespace relight

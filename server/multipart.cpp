@@ -220,8 +220,9 @@ bool MultipartParser::read_data(bool& progressed)
     if (!before_first_) {
         Part& part = parts_.back();
         part.data.append(buffer_, 0, data);
-        hash_.add(std::string_view(buffer_).substr(0, data));
-        if (part.name == "request" && part.data.size() > limits_.request_bytes) {
+        if (part.name != "request") {
+            hash_.add(std::string_view(buffer_).substr(0, data));
+        } else if (part.data.size() > limits_.request_bytes) {
             return fail(Fault::BodyTooLarge, "the part \"request\" holds at most " +
                                                  std::to_string(limits_.request_bytes) + " bytes");
         }

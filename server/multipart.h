@@ -16,7 +16,7 @@ struct Part {
     std::string name;
     std::string content_type;  ///< empty if the part names none
     std::string data;
-    std::string id{};  ///< SHA-256 of the data, as of what is stored
+    std::string id{};  ///< SHA-256 of the data, as of what is stored; not of "request"
 };
 
 struct MultipartLimits {

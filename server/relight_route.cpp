@@ -165,20 +165,24 @@ void set_headers(const Encoded& encoded, httplib::Response& response)
     if (!warnings.empty()) { response.set_header("Relight-Warnings", warnings); }
 }
 
-/// Writes an answer into the library's sink; false: the client is gone.
-bool write(const Encoding& body, httplib::DataSink& sink) noexcept
+/// Writes an answer into the library's sink; false: the client is gone, or the log says what
+/// happened.
+bool write(const Encoding& body, httplib::DataSink& sink, Log& log) noexcept
 {
     try {
         return body.write(
             [&](std::string_view bytes) { return sink.write(bytes.data(), bytes.size()); });
-    } catch (...) {  // outside the library's own try
-        return false;
+    } catch (const std::exception& error) {  // outside the library's own try
+        log.message(error.what());
+    } catch (...) {
+        log.message("an answer failed while it was sent");
     }
+    return false;
 }
 
 /// One answer: JSON at once, so that it can be compressed; files while they are encoded. Text whose
 /// length nobody knows yet goes in chunks, which HTTP/1.0 has not.
-void send(Encoded&& encoded, const httplib::Request& request, httplib::Response& response)
+void send(Encoded&& encoded, const httplib::Request& request, httplib::Response& response, Log& log)
 {
     if (encoded.media_type == "application/json") {
         response.body = whole(encoded.body);
@@ -188,8 +192,8 @@ void send(Encoded&& encoded, const httplib::Request& request, httplib::Response&
     if (encoded.body.bytes == 0 && request.version == "HTTP/1.1") {
         response.set_chunked_content_provider(
             encoded.media_type,
-            [body = std::move(encoded.body)](std::size_t, httplib::DataSink& sink) {
-                const bool sent = write(body, sink);
+            [body = std::move(encoded.body), &log](std::size_t, httplib::DataSink& sink) {
+                const bool sent = write(body, sink, log);
                 if (sent) { sink.done(); }
                 return sent;
             });
@@ -198,8 +202,8 @@ void send(Encoded&& encoded, const httplib::Request& request, httplib::Response&
     if (encoded.body.bytes == 0) { encoded.body = sent_whole(whole(encoded.body)); }
     response.set_content_provider(
         encoded.body.bytes, encoded.media_type,
-        [body = std::move(encoded.body)](std::size_t, std::size_t, httplib::DataSink& sink) {
-            return write(body, sink);
+        [body = std::move(encoded.body), &log](std::size_t, std::size_t, httplib::DataSink& sink) {
+            return write(body, sink, log);
         });
 }
 
@@ -219,7 +223,7 @@ void send_progressively(std::shared_ptr<const Job> job, std::vector<unsigned> st
     response.set_chunked_content_provider(
         first.media_type, [stream, &state](std::size_t, httplib::DataSink& sink) {
             try {
-                if (!write(stream->message, sink)) { return false; }
+                if (!write(stream->message, sink, state.log)) { return false; }
                 if (++stream->stage < stream->stages.size() && !state.stopping) {
                     auto next = run(*stream->job, stream->stages[stream->stage], state);
                     if (next) {
@@ -369,18 +373,18 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
         return send_progressively(std::move(job), stages, std::move(*encoded), response, state);
     }
     if (job->request.receipt && purpose == Purpose::Relight) {
-        if (job->format == Format::Json) { encoded->body = sent_whole(whole(encoded->body)); }
         const std::string receipt =
             receipt_json(job->request, job->posted.parts, encoded->units, digest, encoded->body);
         if (job->format == Format::Json) {
             std::string json = whole(encoded->body);
             json.back() = ',';
-            encoded->body = sent_whole(json + "\"receipt\":" + receipt + "}");
+            json.append("\"receipt\":").append(receipt) += '}';
+            encoded->body = sent_whole(std::move(json));
         } else {
             response.set_header("Relight-Receipt", receipt);
         }
     }
-    send(std::move(*encoded), request, response);
+    send(std::move(*encoded), request, response, state.log);
 }
 
 }  // namespace

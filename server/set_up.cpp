@@ -79,7 +79,7 @@ Result<Model> build_model(std::shared_ptr<const Asset> asset, const RelightReque
     stage.mesh = std::shared_ptr<const Mesh>(model.asset, &filed);
     return timed(timings.bvh, [&]() -> Result<Model> {
         if (request.max_edge) {
-            constexpr std::uint64_t face_bytes = 128;  // with its tree and its share of vertices
+            constexpr std::uint64_t face_bytes = 176;  // with its tree and its share of vertices
             auto refined =
                 refine(filed, *request.max_edge, workshop.read.vertices,
                        std::min(workshop.read.faces, workshop.memory / face_bytes), progress);

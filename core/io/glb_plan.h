@@ -42,7 +42,7 @@ class Plan {
             begun(json + R"(,"accessors":[)" + accessors_ + R"(],"bufferViews":[)" + views_ +
                       R"(],"buffers":[{"byteLength":)" + std::to_string(size_) + "}]}",
                   size_);
-        if (head.empty()) { return {}; }
+        if (head.empty()) { return sent_whole({}); }
         pieces_.insert(pieces_.begin(), text_piece(std::move(head)));
         return joined(std::move(pieces_));
     }

@@ -76,10 +76,9 @@ bool write_normals(TextOut text, const LitMesh& lit)
         for (const float x : to_float(Rgb{n.x, n.y, n.z})) { text.number(x); }
         text.end_record();
     };
-    if (!lit.normals.empty()) {
-        for (const Dir3& n : lit.normals) { write(n); }
-    } else {
-        for (const Vec3& n : lit.mesh.normals) { write(n); }
+    const std::size_t count = lit.normals.empty() ? lit.mesh.normals.size() : lit.normals.size();
+    for (std::size_t i = 0; i < count && text.open(); ++i) {
+        write(lit.normals.empty() ? lit.mesh.normals[i] : Vec3(lit.normals[i]));
     }
     return !lit.normals.empty() || !lit.mesh.normals.empty();
 }
@@ -95,13 +94,13 @@ std::vector<std::uint32_t> write_uvs(TextOut text, const Mesh& mesh)
         text.end_record();
     };
     if (mesh.corner_uvs.empty()) {
-        for (const Uv& uv : mesh.uvs) { write(uv); }
+        for (std::size_t i = 0; i < mesh.uvs.size() && text.open(); ++i) { write(mesh.uvs[i]); }
         return mesh.uvs.empty() ? std::vector<std::uint32_t>() : indices;
     }
     // A corner takes the vt of the one before it at its vertex, if that says the same.
     std::vector<std::uint32_t> uv_of(indices.size()), before(mesh.positions.size(), none);
     std::vector<std::uint32_t> corner_of;  // of each vt, the first
-    for (std::uint32_t c = 0; c < indices.size(); ++c) {
+    for (std::uint32_t c = 0; c < indices.size() && text.open(); ++c) {
         std::uint32_t& last = before[indices[c]];
         if (last == none || mesh.corner_uvs[corner_of[last]] != mesh.corner_uvs[c]) {
             last = static_cast<std::uint32_t>(corner_of.size());

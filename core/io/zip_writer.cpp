@@ -2,8 +2,8 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <utility>
 
 namespace relight {

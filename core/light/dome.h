@@ -35,7 +35,7 @@ struct DomeLanes {
 };
 /// Of the first `count` lanes: directions of samples, as sample(view, s, pick) draws them, and what
 /// is seen along directions, as look(view, wi) has it; in vectors where there is much to compute,
-/// and step by step where memory is slow. Test: DomeLanes.*
+/// and step by step where memory is slow. Test: Draws.ASkysDirections*
 void sample(const Dome& dome, std::size_t count, DomeLanes& lanes);
 void look(const Dome& dome, std::size_t count, DomeLanes& lanes);
 

@@ -66,9 +66,9 @@ struct RectDirections {
     static constexpr double below_one = 1.0 - 0x1p-33;
 };
 
-/// Those of many places, in vectors. They are RectView's but for some roundings; where it draws by
-/// area or lifts the place, `whole` is negative, and it is RectView that draws.
-/// Test: RectLanes.*
+/// Those of many places, in vectors. They are RectView's within 1e-8 of the density, and 1e-6 of
+/// the light's apparent width; where it draws by area or lifts the place, `whole` is negative, and
+/// it is RectView that draws. Test: RectLanes.*
 void directions(const RectLight& light, std::span<const Point3> p, std::span<RectDirections> seen);
 
 /// The rectangle as a place sees it. Drawn uniformly in the solid angle of the whole, that is of

@@ -100,8 +100,11 @@ HWY_INLINE Facing face(const Seen& s, const Source& source, bool both_sides)
     }
     const Vector h = plus(wo, to_light, inverse);
     const Double hz = f.ci + s.cos_o;
-    f.h2 = dot(h, h);
-    f.hxy2 = hn::NegMulAdd(hz, hz, f.h2);
+    // Not from h.h - hz^2, which cancels where both directions graze: an error of hz leaves h's
+    // part across the normal as long as it is.
+    const Vector across = plus(h, both_sides ? wo : s.n, hn::Neg(hz));
+    f.hxy2 = dot(across, across);
+    f.h2 = hn::MulAdd(hz, hz, f.hxy2);
     if constexpr (anisotropic) {
         f.x = dot(to_light, s.x) * inverse;
         f.y = dot(to_light, s.y) * inverse;

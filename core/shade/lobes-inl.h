@@ -177,11 +177,6 @@ HWY_INLINE Bands F(const Reflector& m, const At& a)
     return {r, fresnel(m.boundary[1], u, u2), fresnel(m.boundary[2], u, u2)};
 }
 
-HWY_INLINE Float Lambda(const Reflector& m, Float c, Float t2)
-{
-    return m.model == Reflector::Model::Beckmann ? Lambda_beckmann(c, t2) : Lambda_gtr(m, c);
-}
-
 /// Charlie's Lambda: exp of a fit (core/bsdf/charlie.h).
 HWY_INLINE Float Lambda_charlie(const Reflector& m, Float c)
 {

@@ -102,9 +102,9 @@ constexpr std::size_t together = 4;  // lights; their parts stay in the nearest 
 template <Model model, bool anisotropic>
 HWY_INLINE void shine_at(const Task& task, Block& block, Range low_at)
 {
-    const std::size_t lanes = hn::Lanes(Doubles());
+    const std::size_t lanes = has_high ? hn::Lanes(Doubles()) : 0;
     const Range high_at{low_at.i + lanes, low_at.v + lanes,
-                        low_at.left > lanes ? low_at.left - lanes : 0};
+                        has_high && low_at.left > lanes ? low_at.left - lanes : 0};
     Seen low = look_at<anisotropic>(task, block, low_at);
     Seen high = look_at<anisotropic>(task, block, high_at);
     const Vector rho_low = load(block.rho, low_at.i), rho_high = load(block.rho, high_at.i);

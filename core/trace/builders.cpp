@@ -1,6 +1,7 @@
 #include "core/trace/builders.h"
 
 #include <chrono>
+#include <memory>
 #include <utility>
 
 namespace relight {
@@ -29,7 +30,9 @@ bool Builders::run(const std::function<void()>& work, const Progress& progress)
 {
     while (any_left_behind() && !progress.stopped()) { std::this_thread::sleep_for(between_looks); }
     if (progress.stopped()) { return false; }
-    Task task(work);
+    // Its future may be kept for long: the work, and what it owns, go when it has ended.
+    const auto own = std::make_shared<std::function<void()>>(work);
+    Task task([own] { std::exchange(*own, nullptr)(); });
     std::future<void> done = task.get_future();
     begin(std::move(task));
     while (done.wait_for(between_looks) != std::future_status::ready) {
@@ -46,10 +49,10 @@ void Builders::begin(Task&& task)
 {
     {
         const std::lock_guard lock(mutex_);
-        waiting_.push(std::move(task));
-        if (idle_ < waiting_.size()) {
+        if (idle_ <= waiting_.size()) {
             threads_.emplace_back([this] { serve(); });
         }
+        waiting_.push(std::move(task));
     }
     changed_.notify_one();
 }
@@ -62,12 +65,10 @@ void Builders::serve()
         changed_.wait(lock, [this] { return ending_ || !waiting_.empty(); });
         --idle_;
         if (waiting_.empty()) { return; }
-        {
-            Task task = std::move(waiting_.front());
-            waiting_.pop();
-            lock.unlock();
-            task();
-        }  // and lets go of what the work owned
+        Task task = std::move(waiting_.front());
+        waiting_.pop();
+        lock.unlock();
+        task();
         lock.lock();
     }
 }

@@ -23,8 +23,8 @@ class Builders {
 
     /// Waits for work() and throws what it throws; true then. False within milliseconds of
     /// progress being stopped: then work, if it was begun, goes on behind the caller, and should
-    /// own all that it touches. New work waits for what was left behind, so that there is never
-    /// more than one caller's worth of memory at work for nobody.
+    /// own all that it touches; that is let go when it ends. New work waits for what was left
+    /// behind: so no more memory is at work for nobody than was at work at once.
     bool run(const std::function<void()>& work, const Progress& progress);
 
   private:

@@ -201,10 +201,9 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     if (!delta && grey) { sums.lit.resize(all), sums.all.resize(all); }
     if (!delta && !grey) { sums.colored.resize(all); }
     if (options.bounces > 0) { sums.bounced.resize(all); }
-    std::optional<ShadowStream> stream;  // tens of kilobytes: only those that have a use
-    std::optional<RayQueue<Rgb>> queue;
+    ShadowStream stream(*stage.bvh);
+    std::optional<RayQueue<Rgb>> queue;  // which fills what it holds: only where it is of use
     const std::optional<Dome> dome = dome_of(source.light.shape);
-    if (!sums.lit.empty() || dome) { stream.emplace(*stage.bvh); }
     if ((!sums.colored.empty() && !dome) || !sums.bounced.empty()) { queue.emplace(*stage.bvh); }
     unsigned drawn = 0;
     std::span<Sampling> active(vertices);
@@ -213,9 +212,9 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
                                    ? std::min(budget.each, std::max(2U, 2 * drawn))
                                    : budget.each;
         if (!sums.lit.empty()) {
-            column.rays += draw_grey(source, active, sums, drawn, until, *stream);
+            column.rays += draw_grey(source, active, sums, drawn, until, stream);
         }
-        if (dome) { column.rays += draw_dome(source, *dome, active, sums, drawn, until, *stream); }
+        if (dome) { column.rays += draw_dome(source, *dome, active, sums, drawn, until, stream); }
         if (queue) { draw_colored(source, dome.has_value(), active, sums, drawn, until, *queue); }
         drawn = until;
         const auto unsettled = std::partition(active.begin(), active.end(), [&](const Sampling& v) {

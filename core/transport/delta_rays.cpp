@@ -104,7 +104,9 @@ struct Arrivals {
 HWY_INLINE Arrivals arrive(const DeltaGeometry& light, const double* told, Vectors p)
 {
     const Doubles d;
-    if (light.distant) { return {all(light.wi), set(infinity), set(1.0), hn::FirstN(d, ~0UL)}; }
+    if (light.distant) {
+        return {all(light.wi), set(infinity), set(1.0), hn::FirstN(d, hn::Lanes(d))};
+    }
     const Vectors to_light = all(light.place - Point3{}) - p;
     const Double squared = dot(to_light, to_light);
     const Mask well = hn::And(hn::Gt(squared, set(1e-200)), hn::Lt(squared, set(1e200)));

@@ -81,11 +81,11 @@ inline std::size_t askers_a_stream(const Lanes& lanes)
     return ShadowStream::capacity / lanes.count;
 }
 
-/// Draws a light (of one colour) that each asker sees, the pair `pair` of the sequence's
+/// Draws the light that each asker sees, the pair `pair` of the sequence's
 /// replicates, and puts shadow rays as shadow_ray() would make them into the stream (which is
 /// empty): asker after asker, each in the order of the lanes. In vectors as wide as the processor
-/// has; the same to the bit on any, since every lane is what the scalar functions of light/ and
-/// base/ give, and aimed as shadow_ray() does. Test: Draws.*
+/// has; the same on any: every lane is what the scalar functions of light/ and base/ give (but see
+/// RectDirections), and aimed as shadow_ray() does. Test: Draws.*
 /// @param askers no more than askers_a_stream()
 template <class View>
 void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOptions& options,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cassert>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -62,6 +63,7 @@ std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t
 {
     const Surface& surface = *stage.surface;
     const std::span<const std::uint32_t> order = surface.order;
+    assert(order.size() == stage.mesh->positions.size());  // of prepare()
     std::atomic<std::uint64_t> rays{0};
     parallel_for(order.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
         const Vertices some{order.subspan(begin, end - begin), &surface.ordered, begin};

@@ -1,6 +1,8 @@
 """Every file people have: meshes, clouds and glTF go in, and come out lit in every format."""
 
+import hashlib
 import json
+import socket
 import struct
 
 import numpy
@@ -214,6 +216,40 @@ def test_a_format_is_asked_for_by_name_or_by_accept(server, format_, media, magi
     if not small:
         assert relight(server, ask, {"Accept": media}).body == named.body
     assert relight(server, {**ask, "output": {"format": format_, **small}}).body == named.body
+
+
+@pytest.mark.parametrize("format_", ["obj", "off", "ply_ascii", "ply", "npz", "glb", "vtp", "json"])
+def test_a_length_is_said_where_it_is_known_and_text_comes_in_chunks(server, format_):
+    mesh = stored(server, SPOT)
+    ask = {"mesh": {"id": mesh["id"]}, "lights": [SUN], "output": {"format": format_}}
+    reply = relight(server, ask)
+    in_chunks = reply.headers["Transfer-Encoding"] == "chunked"
+    assert in_chunks == (format_ in ("obj", "off", "ply_ascii"))
+    assert in_chunks or int(reply.headers["Content-Length"]) == len(reply.body)
+    # HTTP/1.0 knows no chunks: the same bytes, and how many.
+    body = json.dumps(ask).encode()
+    with socket.create_connection((server.host, server.port), timeout=60) as old:
+        old.sendall(b"POST /v1/relight HTTP/1.0\r\nContent-Type: application/json\r\nContent-Length: "
+                    + str(len(body)).encode() + b"\r\n\r\n" + body)
+        answer = b"".join(iter(lambda: old.recv(1 << 16), b""))
+    head, _, same = answer.partition(b"\r\n\r\n")
+    assert b"chunked" not in head and same == reply.body
+    receipt = call(server, "POST", "/v1/relight?receipt=1", body, {"Content-Type": "application/json"})
+    if format_ != "json":
+        said = json.loads(receipt.headers["Relight-Receipt"])["result_sha256"]
+        assert receipt.body == reply.body and said == hashlib.sha256(reply.body).hexdigest()
+
+
+def test_a_client_that_leaves_amid_an_answer_costs_it_alone(server):
+    mesh = stored(server, SPOT)
+    body = json.dumps({"mesh": {"id": mesh["id"]}, "lights": [SUN], "refine": {"max_edge": 0.01},
+                       "output": {"format": "obj"}}).encode()
+    for _ in range(3):
+        with socket.create_connection((server.host, server.port), timeout=60) as gone:
+            gone.sendall(b"POST /v1/relight HTTP/1.1\r\nHost: a\r\nContent-Type: application/json\r\n"
+                         b"Content-Length: " + str(len(body)).encode() + b"\r\n\r\n" + body)
+            assert gone.recv(1000).startswith(b"HTTP/1.1 200")
+    assert relight(server, json.loads(body)).status == 200
 
 
 def test_formats_without_a_place_for_a_quantity_say_so(server):

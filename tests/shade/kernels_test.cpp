@@ -328,6 +328,28 @@ TEST(Kernels, EveryModelIsTheScalarFormulaToAFewUlps)
     });
 }
 
+TEST(Kernels, ANarrowLobeIsNoWorseWhereLightAndViewerBothGraze)
+{
+    // Between lamp and eye, off their line by little: what reflects one to the other grazes.
+    std::vector<Point3> places;
+    std::vector<Vec3> normals;
+    for (std::uint64_t v = 0; v < 1003; ++v) {
+        const Vec3 along = eye - lamp;
+        const Vec3 off = normalize(cross(along, random_direction(v, 0)));
+        const double graze = std::pow(10.0, -1.0 - 3.0 * random(v, 2));
+        places.push_back(lamp + along * (0.2 + 0.6 * random(v, 3)) + off * graze);
+        const Vec3 wi = normalize(lamp - places.back()), wo = normalize(eye - places.back());
+        const Vec3 tilt = random_direction(v, 4) * (1e-3 * graze * random(v, 6));
+        normals.push_back(normalize(Vec3(normalize(wi + wo)) + tilt));
+    }
+    const Stage stage = test::staged(test::with_receivers({}, places, normals));
+    CookTorrance narrow;
+    narrow.alpha_x = narrow.alpha_y = 1e-3;
+    on_every_target([&](const char* target) {
+        expect_near_scalar(stage, of_f(make_cook_torrance(narrow)), 8.0, target);
+    });
+}
+
 TEST(Kernels, SunsAndDirectionsOfViewAreNoOther)
 {
     for (const Model& m : models()) {

@@ -47,6 +47,29 @@ constexpr std::size_t floor_vertices(std::size_t n)
     return (n + 1) * (n + 1);
 }
 
+TEST(SharpVertices, PolygonsHaveThoseOfTheirEdges)
+{
+    // The same floor in squares: a diagonal is no edge, but what it joins has a neighbour beside
+    // it.
+    const Stage stage = test::staged(test::grid(40));
+    Mesh squares = *stage.mesh;
+    std::vector<std::uint32_t> corners;
+    squares.faces.offsets = {0};
+    for (std::uint32_t y = 0; y < 40; ++y) {
+        for (std::uint32_t x = 0; x < 40; ++x) {
+            const std::uint32_t first = y * 41 + x;
+            corners.insert(corners.end(), {first, first + 1, first + 42, first + 41});
+            squares.faces.offsets.push_back(static_cast<std::uint32_t>(corners.size()));
+        }
+    }
+    squares.faces.indices = corners;
+    std::vector<Rgbf> lit;  // a step along x
+    for (const Point3 p : squares.positions) { lit.push_back(p.x < 0.11 ? Rgbf{} : Rgbf{1, 1, 1}); }
+    const auto sharp = sharp_of(squares, *stage.surface, lit);
+    EXPECT_EQ(sharp.size(), 82U);  // two columns of vertices
+    EXPECT_EQ(sharp, sharp_of(*stage.mesh, *stage.surface, lit));
+}
+
 TEST(SharpVertices, AFloorUnderAPointLightHasNone)
 {
     for (const int n : {8, 50}) {  // edges up to 0.35 for a light of height 1

@@ -53,6 +53,28 @@ TEST(Builders, LetHimGoWhoStopsBeforeTheWorkIsDoneAndEndItBehindHim)
     EXPECT_TRUE(ended);
 }
 
+TEST(Builders, LetGoOfWhatTheWorkOwnsWhenItEnds)
+{
+    Builders builders;
+    Progress progress;
+    auto owned = std::make_shared<int>(1);
+    const std::weak_ptr<int> seen = owned;
+    std::latch may_end(1);
+    EXPECT_FALSE(builders.run(
+        [&progress, &may_end, mine = std::move(owned)] {
+            progress.stop();
+            may_end.wait();
+            EXPECT_EQ(*mine, 1);
+        },
+        progress));
+    EXPECT_FALSE(seen.expired());
+    may_end.count_down();
+    for (int k = 0; k < 5000 && !seen.expired(); ++k) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_TRUE(seen.expired());  // though nobody has asked for anything since
+}
+
 TEST(Builders, BeginNothingNewBesideWhatWasLeftBehind)
 {
     std::latch may_end(1);

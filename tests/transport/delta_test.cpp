@@ -132,6 +132,17 @@ TEST(DeltaColumn, IsTheSameOnEveryInstructionSet)
             scene.lights = {test::light_of(shape)};
             expect_the_same(stage, scene);
         }
+        for (const bool distant : {false, true}) {
+            DeltaGeometry light;
+            light.distant = distant;
+            light.place = {0.5, -0.4, 1.5};
+            light.wi = normalize({1.0, 0.4, 0.35});
+            light.box = stage.bvh->box();
+            light.clearance = stage.bvh->clearance();
+            RayFields::Field<float> E;
+            const auto lit = light_up(light, stage.surface->ordered, 0, 64, nullptr, E, nullptr);
+            EXPECT_TRUE(lit) << "left to the plain loop; distant: " << distant;
+        }
     }
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
