@@ -5,6 +5,14 @@
 
 #include "core/base/vec.h"
 
+/// Before a loop: what it writes is not what it reads in another round. (Clang's word for it is an
+/// order, and an error where it cannot follow.)
+#ifdef __clang__
+#define RELIGHT_APART
+#else
+#define RELIGHT_APART _Pragma("GCC ivdep")
+#endif
+
 namespace relight {
 
 /// A condition as 64 bits, all 1 or all 0. In a loop of many choices compilers make branches of

@@ -54,7 +54,7 @@ class BlockOut {
     char* room(std::size_t bytes)
     {
         if (bytes > block_.size() - used_) { flush(); }
-        if (bytes > block_.size()) { block_.resize(bytes); }
+        if (bytes > block_.size()) { block_ = std::vector<char>(bytes); }
         used_ += bytes;
         return block_.data() + used_ - bytes;
     }

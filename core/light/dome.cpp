@@ -73,7 +73,7 @@ void sample(const Dome& dome, std::size_t count, DomeLanes& lanes)
     std::fill(height + count, height + all, 0.0);
     in_vectors([&] {
         const double c = dome.cosine, s = dome.sine;
-#pragma GCC ivdep
+        RELIGHT_APART
         for (std::size_t i = 0; i < all; ++i) {
             const warp::SineCosine phi = warp::sine_cosine_of_turns(turns[i]);
             const double y = height[i];
@@ -105,7 +105,7 @@ void look(const Dome& dome, std::size_t count, DomeLanes& lanes)
         std::array<std::size_t, DomeLanes::most> texels;
         in_vectors([&] {
             const double c = dome.cosine, s = dome.sine;
-#pragma GCC ivdep
+            RELIGHT_APART
             for (std::size_t i = 0; i < all; ++i) {
                 const double x = c * lanes.x[i] - s * lanes.z[i];
                 const double z = c * lanes.z[i] + s * lanes.x[i];

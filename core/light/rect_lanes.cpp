@@ -154,7 +154,7 @@ void irradiance(const RectLight& light, std::span<const Point3> p, std::span<con
         in_vectors([&] {
             const RectLight here = light;
             const Vec3 up = normal;
-#pragma GCC ivdep
+            RELIGHT_APART
             for (std::size_t i = 0; i < many; ++i) {
                 sum[i] = lane_irradiance(here, up, {x[i], y[i], z[i]}, {nx[i], ny[i], nz[i]});
             }
@@ -181,7 +181,7 @@ void directions(const RectLight& light, std::span<const Point3> p, std::span<Rec
             const RectLight here = light;
             const Vec3 up = normal;
             const double least = least_volume2;
-#pragma GCC ivdep
+            RELIGHT_APART
             for (std::size_t i = 0; i < many; ++i) {
                 const RectDirections there = lane_directions(here, up, least, {x[i], y[i], z[i]});
                 const auto put = [&](std::size_t row, const SphericalTriangle& half) {

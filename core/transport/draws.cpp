@@ -31,14 +31,14 @@ constexpr unsigned whole(unsigned lanes)
 }
 
 // Loops in a form that compilers turn into vectors: no branch and no call. What they read once is
-// copied first, and the arrays are apart (ivdep): what is written cannot be part of it.
+// copied first, and the arrays are apart: what is written cannot be part of it.
 
 [[gnu::always_inline]] inline void draw_samples(const Sequence& of, std::uint32_t pair,
                                                 const Lanes& lanes, std::size_t first, Slots& slots)
 {
     const Sequence sequence = of;
     const unsigned count = whole(lanes.count);
-#pragma GCC ivdep
+    RELIGHT_APART
     for (unsigned i = 0; i < count; ++i) {
         const Sample2 s = sequence.replicate(lanes.replicate[i]).at(lanes.point[i], pair);
         slots.u[first + i] = s.u;
@@ -52,7 +52,7 @@ template <class View>
 {
     const View view = from;
     const unsigned count = whole(lanes);
-#pragma GCC ivdep
+    RELIGHT_APART
     for (unsigned i = 0; i < count; ++i) {
         const std::size_t slot = first + i;
         const LightSample there = view.sample_direction({slots.u[slot], slots.v[slot]});
@@ -99,7 +99,7 @@ template <bool is_far_away>
 {
     const Start start = of;
     const unsigned count = whole(lanes);
-#pragma GCC ivdep
+    RELIGHT_APART
     for (unsigned i = 0; i < count; ++i) {
         const std::size_t slot = first + i;
         const Vec3 wi{slots.x[slot], slots.y[slot], slots.z[slot]};
@@ -172,6 +172,9 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
                                  std::is_same_v<View, CosineView> ||
                                  std::is_same_v<View, CosineDirections>;
     Slots slots;
+#ifdef __clang_analyzer__  // it does not see that each step fills what the next one reads
+    slots = {};
+#endif
     RayFields& fields = stream.fields();
     const auto each = [&](const auto& make) {
         std::size_t first = 0;
