@@ -30,7 +30,7 @@ struct Way {
 
 class Follower {
   public:
-    Follower(const World& world, std::uint32_t depth, RayQueue<Rgb>& queue)
+    Follower(const World& world, std::uint32_t depth, RayQueue& queue)
         : world_(world),
           queue_(queue),
           first_pair_(depth *
@@ -77,7 +77,7 @@ class Follower {
                 faces == nullptr ? look(shape, path.seen.at.p, way.wi)
                                  : faces->table->look(hit->primitive, way.ray.origin, way.wi);
             const double share = lamp.by_light ? mis::balance(1, way.pdf, 1, there.pdf) : 1.0;
-            const Deposit<Rgb> found = deposit(path, lamp, way.weight * there.L * share);
+            const Deposit found = deposit(path, lamp, way.weight * there.L * share);
             if (!there.wi || is_black(found.value)) { continue; }
             // What the way meets tells whether a sky is seen; nearer lights have rays of their own.
             const bool is_told = hit != nullptr && !std::isfinite(there.distance);
@@ -97,14 +97,14 @@ class Follower {
         return shadow_ray(*world_.stage.bvh, seen.at, wi, distance, world_.scene.transport);
     }
 
-    static Deposit<Rgb> deposit(const EyePath& path, const Lamp& lamp, Rgb value)
+    static Deposit deposit(const EyePath& path, const Lamp& lamp, Rgb value)
     {
         return {path.sums + lamp.number, value * lamp.light->power};
     }
 
     void ask(const EyePath& path, const Lamp& lamp, Dir3 wi, double distance, Rgb value)
     {
-        const Deposit<Rgb> found = deposit(path, lamp, value);
+        const Deposit found = deposit(path, lamp, value);
         if (is_black(found.value)) { return; }
         if (!lamp.shadowed) { return found.give(); }
         queue_.ask(ray_toward(path.seen, wi, distance), found);
@@ -141,7 +141,7 @@ class Follower {
     }
 
     const World& world_;
-    RayQueue<Rgb>& queue_;
+    RayQueue& queue_;
     std::uint32_t first_pair_;  // of this place
 };
 
@@ -169,7 +169,7 @@ World world_of(const Stage& stage, const Scene& scene)
     return world;
 }
 
-void follow(const World& world, std::vector<EyePath> paths, RayQueue<Rgb>& queue)
+void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)
 {
     const Bvh& bvh = *world.stage.bvh;
     const unsigned bounces = world.scene.transport.bounces;

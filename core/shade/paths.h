@@ -43,6 +43,6 @@ struct EyePath {
 /// exactly; others are met in two ways, joined by the balance heuristic (Veach & Guibas 1995): by a
 /// direction drawn from the light and by one drawn from the material, which the path then takes.
 /// Unbiased: nothing is clamped or cut short.
-void follow(const World& world, std::vector<EyePath> paths, RayQueue<Rgb>& queue);
+void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue);
 
 }  // namespace relight

@@ -103,7 +103,7 @@ void see_lights(const Canvas& canvas, const ShadowRay& ray, const Hit& hit, Rgb*
 }
 
 /// Camera rays, and the paths that start where they hit.
-void trace_block(const Canvas& canvas, Block& block, RayQueue<Rgb>& queue)
+void trace_block(const Canvas& canvas, Block& block, RayQueue& queue)
 {
     const World& world = canvas.world;
     std::vector<Hit> hits(block.rays.size());
@@ -205,7 +205,7 @@ Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions&
     parallel_for(pixels, std::max<std::size_t>(1, most_work / work), options.threads, progress,
                  [&](std::size_t begin, std::size_t end) {
                      Block block = aim(canvas, begin, end);
-                     RayQueue<Rgb> queue(*stage.bvh);
+                     RayQueue queue(*stage.bvh);
                      trace_block(canvas, block, queue);
                      settle(canvas, block);
                      rays += queue.traced();

@@ -97,7 +97,7 @@ std::uint64_t draw_dome(const Source& source, const Dome& dome, std::span<Sampli
 
 /// The same points of other lights, and of bounces.
 void draw_colored(const Source& source, bool by_dome, std::span<Sampling> vertices, Sums& sums,
-                  unsigned begin, unsigned end, RayQueue<Rgb>& queue)
+                  unsigned begin, unsigned end, RayQueue& queue)
 {
     const unsigned bounces = source.scene.transport.bounces;
     const Response cosine(source.scene.transport.two_sided);
@@ -202,7 +202,7 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     if (!delta && !grey) { sums.colored.resize(all); }
     if (options.bounces > 0) { sums.bounced.resize(all); }
     ShadowStream stream(*stage.bvh);
-    std::optional<RayQueue<Rgb>> queue;  // which fills what it holds: only where it is of use
+    std::optional<RayQueue> queue;  // which fills what it holds: only where it is of use
     const std::optional<Dome> dome = dome_of(source.light.shape);
     if ((!sums.colored.empty() && !dome) || !sums.bounced.empty()) { queue.emplace(*stage.bvh); }
     unsigned drawn = 0;
@@ -264,7 +264,7 @@ Column radiance_drawn(const Source& source, std::span<const std::uint32_t> mater
     const bool delta = is_delta(source.light.shape);
     std::vector<Rgb> sums(vertices.size());
     std::vector<Path> paths;
-    RayQueue<Rgb> queue(*stage.bvh);
+    RayQueue queue(*stage.bvh);
     for (std::size_t at = 0; at < vertices.size(); ++at) {
         const std::size_t v = vertices[at];
         const LocalMaterial local = vertex_material(stage, scene, materials, v);

@@ -74,7 +74,7 @@ Vec3 Response::sample(Sample2 s, Sample2 pick) const
 
 void gather_direct(const Source& source, const Receiver& receiver, const LightView& view,
                    const Response& response, const Sequence& sequence, unsigned begin, unsigned end,
-                   Rgb& lit, Unblocked* seen, RayQueue<Rgb>& queue)
+                   Rgb& lit, Unblocked* seen, RayQueue& queue)
 {
     const LightShape& shape = source.light.shape;
     const auto* faces = std::get_if<MeshLight>(&shape);
@@ -91,7 +91,7 @@ void gather_direct(const Source& source, const Receiver& receiver, const LightVi
     const auto deposit = [&](const LightSample& there, Rgb value) {
         if (is_black(value)) { return; }
         if (seen != nullptr) { seen->total += luminance(value); }
-        const Deposit<Rgb> one{&lit, value, seen != nullptr ? &seen->open : nullptr};
+        const Deposit one{&lit, value, seen != nullptr ? &seen->open : nullptr};
         if (!shadowed) { return one.give(); }
         queue.ask(ray_toward(source, receiver, there), one);
     };
@@ -300,7 +300,7 @@ namespace {
 
 /// Direct E at a bounce, from one draw of the light, times `weight`.
 void pick_up(const Source& source, const Path& path, Rgb weight, std::uint32_t pair,
-             RayQueue<Rgb>& queue)
+             RayQueue& queue)
 {
     const LightShape& shape = source.light.shape;
     const Receiver& at = path.at;
@@ -321,7 +321,7 @@ void pick_up(const Source& source, const Path& path, Rgb weight, std::uint32_t p
                        path.sequence.at(path.point, pair + 1).u);
         E = ratio(there.L * std::max(0.0, dot(at.ng, there.wi)), there.pdf);
     }
-    const Deposit<Rgb> deposit{path.bounced, weight * E};
+    const Deposit deposit{path.bounced, weight * E};
     if (!there.wi || is_black(deposit.value)) { return; }
     if (!source.shadowed()) { return deposit.give(); }
     queue.ask(ray_toward(source, at, there), deposit);
@@ -340,7 +340,7 @@ void start_path(const Receiver& receiver, const Response& response, const Sequen
     paths.push_back({receiver, wi, weight, &bounced, sequence, point});
 }
 
-void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue<Rgb>& queue)
+void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue& queue)
 {
     const Stage& stage = source.stage;
     std::vector<ShadowRay> rays;

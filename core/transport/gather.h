@@ -53,30 +53,25 @@ struct Unblocked {
 };
 
 /// A share of a vertex's answer that counts if its ray gets through.
-template <class Value>
 struct Deposit {
-    Value* lit;  ///< where it is added
-    Value value;
+    Rgb* lit;  ///< where it is added
+    Rgb value;
     double* open = nullptr;  ///< where its luminance is added too, if not null
 
     void give() const
     {
         *lit += value;
-        if constexpr (std::is_same_v<Value, Rgb>) {
-            if (open != nullptr) { *open += luminance(value); }
-        }
+        if (open != nullptr) { *open += luminance(value); }
     }
 };
 
 /// Rays waiting to be traced together, each with what it brings. Order of arrival is kept: sums do
 /// not depend on where a flush falls. Deposits outlive the flush.
-/// @tparam Value Rgb; or double, of lights of one colour
-template <class Value>
 class RayQueue {
   public:
     explicit RayQueue(const Bvh& bvh) : stream_(bvh) {}
 
-    void ask(const ShadowRay& ray, const Deposit<Value>& deposit)
+    void ask(const ShadowRay& ray, const Deposit& deposit)
     {
         deposits_[stream_.size()] = deposit;
         stream_.put(ray);
@@ -95,7 +90,7 @@ class RayQueue {
 
   private:
     ShadowStream stream_;
-    std::array<Deposit<Value>, ShadowStream::capacity> deposits_;
+    std::array<Deposit, ShadowStream::capacity> deposits_;
     std::uint64_t traced_ = 0;
 };
 
@@ -132,7 +127,7 @@ bool is_even_sky(const LightShape& shape);
 /// @param seen null: not asked for
 void gather_direct(const Source& source, const Receiver& receiver, const LightView& view,
                    const Response& response, const Sequence& sequence, unsigned begin, unsigned end,
-                   Rgb& lit, Unblocked* seen, RayQueue<Rgb>& queue);
+                   Rgb& lit, Unblocked* seen, RayQueue& queue);
 
 /// A vertex whose direct E of a light of one colour is drawn, and its sums: a number a replicate,
 /// of what arrives, and of what would with nothing in the way.
@@ -179,6 +174,6 @@ void start_path(const Receiver& receiver, const Response& response, const Sequen
 
 /// Follows paths for up to `bounces` surfaces. At each they pick up the light's direct E once and
 /// send rho E / pi on, by cosine. Diffuse, flat faces, both sides.
-void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue<Rgb>& queue);
+void follow(const Source& source, std::vector<Path> paths, unsigned bounces, RayQueue& queue);
 
 }  // namespace relight
