@@ -3,11 +3,10 @@
 #include <cstdio>
 
 #include "server/encode.h"
-#include "server/json_text.h"
 #include "server/json_tree.h"
-#include "server/multipart.h"
 #include "server/negotiate.h"
 #include "server/output_json.h"
+#include "server/posted.h"
 #include "server/receipt.h"
 #include "server/relight.h"
 #include "server/reply.h"
@@ -18,73 +17,6 @@
 namespace relight {
 namespace {
 
-/// A request as it came: its JSON, and the files beside it.
-struct Posted {
-    std::string json;
-    std::vector<Part> parts;
-    bool has_mesh_part = false;
-};
-
-/// What came of the body.
-struct Received {
-    std::optional<Posted> posted;  ///< nothing: the connection failed, the guard answers
-};
-
-Result<Received> receive(const httplib::Request& request, const httplib::ContentReader& reader,
-                         ServerState& state, ByteBudget::Share& share)
-{
-    const std::string content_type = request.get_header_value("Content-Type");
-    const std::string type = essence(content_type);
-    const Options& options = state.options;
-    bool broken = false;
-    Posted posted;
-    if (type == "multipart/form-data") {
-        const auto boundary = multipart_boundary(content_type);
-        if (!boundary) {
-            return make_error(
-                Fault::BadRequest,
-                "multipart/form-data needs a boundary of 1 to 70 characters (RFC 2046)");
-        }
-        MultipartLimits limits;
-        limits.request_bytes = options.max_json_bytes;
-        MultipartParser parser(*boundary, limits);
-        auto error = read_body(reader, state, share, options.max_upload_bytes, "--max-upload-bytes",
-                               broken, [&](std::string_view piece) -> std::optional<Error> {
-                                   if (parser.feed(piece)) { return {}; }
-                                   return std::move(parser).finish().error();
-                               });
-        if (broken) { return Received{}; }
-        if (error) { return std::move(*error); }
-        auto parts = std::move(parser).finish();
-        if (!parts) { return std::move(parts).error(); }
-        posted.json = "{}";  // a mesh alone is lit as the defaults say
-        for (Part& part : *parts) {
-            if (part.name == "request") {
-                posted.json = std::move(part.data);
-                continue;
-            }
-            posted.has_mesh_part = posted.has_mesh_part || part.name == "mesh";
-            posted.parts.push_back(std::move(part));
-        }
-        return Received{std::move(posted)};
-    }
-    if (type != "application/json" && !type.empty()) {
-        return make_error(
-            Fault::UnsupportedMediaType,
-            "found \"" + printable(type) +
-                "\"; a relight request is application/json, or multipart/form-data with "
-                "its JSON in the part \"request\"");
-    }
-    auto error = read_body(reader, state, share, options.max_json_bytes, "--max-json-bytes", broken,
-                           [&](std::string_view piece) {
-                               posted.json += piece;
-                               return std::optional<Error>();
-                           });
-    if (broken) { return Received{}; }
-    if (error) { return std::move(*error); }
-    return Received{std::move(posted)};
-}
-
 /// What is to be made of a request: an answer in its format, or the reasons of some vertices.
 enum class Purpose { Relight, Explain };
 
@@ -94,7 +26,6 @@ struct Job {
     RelightRequest request;
     Purpose purpose = Purpose::Relight;
     Format format = Format::Json;
-    double parsing_ms = 0.0;
     std::unique_ptr<ByteBudget::Share> share;
     std::unique_ptr<Sessions::Turn> turn;
 };
