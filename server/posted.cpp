@@ -3,13 +3,15 @@
 #include <utility>
 
 #include "server/json_text.h"
+#include "server/json_tree.h"
 #include "server/negotiate.h"
 #include "server/reply.h"
 
 namespace relight {
 
-Result<Received> receive(const httplib::Request& request, const httplib::ContentReader& reader,
-                         ServerState& state, ByteBudget::Share& share)
+Result<std::optional<Posted>> receive(const httplib::Request& request,
+                                      const httplib::ContentReader& reader, ServerState& state,
+                                      ByteBudget::Share& share)
 {
     const std::string content_type = request.get_header_value("Content-Type");
     const std::string type = essence(content_type);
@@ -31,7 +33,7 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
                                    if (parser.feed(piece)) { return {}; }
                                    return std::move(parser).finish().error();
                                });
-        if (broken) { return Received{}; }
+        if (broken) { return std::optional<Posted>(); }
         if (error) { return std::move(*error); }
         auto parts = std::move(parser).finish();
         if (!parts) { return std::move(parts).error(); }
@@ -44,7 +46,7 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
             posted.has_mesh_part = posted.has_mesh_part || part.name == "mesh";
             posted.parts.push_back(std::move(part));
         }
-        return Received{std::move(posted)};
+        return std::optional(std::move(posted));
     }
     if (type != "application/json" && !type.empty()) {
         return make_error(
@@ -58,9 +60,9 @@ Result<Received> receive(const httplib::Request& request, const httplib::Content
                                posted.json += piece;
                                return std::optional<Error>();
                            });
-    if (broken) { return Received{}; }
+    if (broken) { return std::optional<Posted>(); }
     if (error) { return std::move(*error); }
-    return Received{std::move(posted)};
+    return std::optional(std::move(posted));
 }
 
 }  // namespace relight

@@ -17,15 +17,11 @@ struct Posted {
     bool has_mesh_part = false;
 };
 
-/// What came of the body.
-struct Received {
-    std::optional<Posted> posted;  ///< nothing: the connection failed, the guard answers
-};
-
 /// Reads the body of a relight request: application/json, or multipart/form-data with its JSON in
 /// the part "request". Its bytes count in `share`. Errors: BadRequest, UnsupportedMediaType,
-/// and those of read_body().
-Result<Received> receive(const httplib::Request& request, const httplib::ContentReader& reader,
-                         ServerState& state, ByteBudget::Share& share);
+/// and those of read_body(). Nothing: the connection failed, the guard answers.
+Result<std::optional<Posted>> receive(const httplib::Request& request,
+                                      const httplib::ContentReader& reader, ServerState& state,
+                                      ByteBudget::Share& share);
 
 }  // namespace relight

@@ -245,13 +245,13 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
     job->share = std::make_unique<ByteBudget::Share>(state.arriving);
     auto received = receive(request, reader, state, *job->share);
     if (!received) { return reply(response, received.error()); }
-    if (!received->posted) { return; }
+    if (!*received) { return; }
     const auto start = Clock::now();
     const auto elapsed = [&] {
         return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     };
     job->turn = std::make_unique<Sessions::Turn>(state.sessions, *session);
-    job->posted = std::move(*received->posted);
+    job->posted = std::move(**received);
     job->purpose = purpose;
     auto asked = parse(job->posted, purpose, state);
     if (!asked) { return reply(response, asked.error()); }

@@ -51,9 +51,10 @@ class RawEmbree {
     double scale_;
 };
 
-/// That of a terrain, and of the same as a cloud; made once and kept.
+/// That of a terrain, of the same as a cloud, and of outdoor_stage(); made once and kept.
 RawEmbree& terrain_embree(std::size_t vertices);
 RawEmbree& cloud_embree(std::size_t points);
+RawEmbree& outdoor_embree(std::size_t vertices);
 
 /// How many rays are blocked: `rtcOccluded1`, ray after ray.
 std::uint64_t blocked_one_by_one(RTCScene scene, std::span<const RawRay> rays);

@@ -88,14 +88,14 @@ namespace {
 
 /// The terrain's vertex that a ray leaves from: its steps off the surface are far shorter than an
 /// edge, and the vertices a square grid, row after row.
-std::size_t vertex_of(const RawRay& ray, const RawEmbree& raw, std::size_t vertices)
+std::size_t vertex_of(const RawRay& ray, const RawEmbree& raw, std::size_t vertices, bool faces_y)
 {
     const double side = std::sqrt(static_cast<double>(vertices));
     const auto nearest = [side](double x) {
         return std::clamp(std::round(0.5 * (x + 1.0) * (side - 1.0)), 0.0, side - 1.0);
     };
     const Point3 p = raw.from_box({ray.origin[0], ray.origin[1], ray.origin[2]});
-    return static_cast<std::size_t>(nearest(p.y) * side + nearest(p.x));
+    return static_cast<std::size_t>(nearest(faces_y ? -p.z : p.y) * side + nearest(p.x));
 }
 
 /// Rays in ascending order of `keys` (below `most`); equal ones stay as they are.
@@ -112,7 +112,8 @@ std::vector<RawRay> sorted(const std::vector<RawRay>& rays, const std::vector<st
 
 }  // namespace
 
-SentRays sent_rays(const Stage& stage, const RawEmbree& raw, const Scene& scene)
+SentRays sent_rays(const Stage& stage, const RawEmbree& raw, const Scene& scene, std::size_t grid,
+                   bool faces_y)
 {
     Overheard overheard;
     TransportWanted alone;
@@ -130,7 +131,7 @@ SentRays sent_rays(const Stage& stage, const RawEmbree& raw, const Scene& scene)
     for (std::uint32_t i = 0; i < vertices; ++i) { rank[order.empty() ? i : order[i]] = i; }
     std::vector<std::uint32_t> keys;
     for (const RawRay& ray : overheard.rays) {
-        keys.push_back(static_cast<std::uint32_t>(vertex_of(ray, raw, vertices)));
+        keys.push_back(static_cast<std::uint32_t>(vertex_of(ray, raw, grid, faces_y)));
     }
     sent.by_mesh = sorted(overheard.rays, keys, vertices);
     for (std::uint32_t& key : keys) { key = rank[key]; }

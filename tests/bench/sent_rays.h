@@ -9,7 +9,7 @@
 namespace relight::bench {
 
 /// The very rays that trace() hands to Embree for a scene over a terrain or its cloud, in two
-/// orders of their vertices. Those of one vertex stay in the order in which they were sent.
+/// orders of their vertices (those of a lamp above it count as the nearest's below). Those of one vertex stay in the order in which they were sent.
 struct SentRays {
     std::vector<RawRay> by_mesh;    ///< vertices as filed
     std::vector<RawRay> by_morton;  ///< along Surface::order
@@ -19,6 +19,8 @@ struct SentRays {
 
 /// They are overheard: the linker puts a listener before Embree's rtcOccluded1, rtcOccluded1M and
 /// rtcOccludedNp (--wrap in CMakeLists.txt), whatever room calls them.
-SentRays sent_rays(const Stage& stage, const RawEmbree& raw, const Scene& scene);
+/// @param grid vertices of the terrain, the first of the stage's
+SentRays sent_rays(const Stage& stage, const RawEmbree& raw, const Scene& scene, std::size_t grid,
+                   bool faces_y);
 
 }  // namespace relight::bench

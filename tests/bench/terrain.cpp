@@ -135,6 +135,25 @@ const Stage& cloud_stage(std::size_t points)
     });
 }
 
+const Stage& outdoor_stage(std::size_t vertices)
+{
+    static std::map<std::size_t, Stage> stages;
+    return kept(stages, vertices, [&] {
+        const Mesh lamp = test::icosphere(3);
+        Mesh all = terrain(vertices);
+        const auto first = static_cast<std::uint32_t>(all.positions.size());
+        for (Point3& p : all.positions) { p = {p.x, p.z, -p.y}; }
+        for (const Point3 p : lamp.positions) {
+            all.positions.push_back(Point3{0.3, 0.6, 0.2} + (p - Point3{}) * 0.2);
+        }
+        std::vector<std::uint32_t> corners = lamp.faces.indices;
+        for (std::uint32_t& corner : corners) { corner += first; }
+        auto& indices = all.faces.indices;
+        indices.insert(indices.begin(), corners.begin(), corners.end());
+        return test::staged(std::move(all));
+    });
+}
+
 const std::string& terrain_ply(std::size_t vertices)
 {
     static std::map<std::size_t, std::string> files;

@@ -17,6 +17,11 @@ const Stage& terrain_stage(std::size_t vertices);
 /// Its vertices alone, with their normals: a cloud, whose points are discs. Made once and kept.
 const Stage& cloud_stage(std::size_t points);
 
+/// That terrain turned to face +y, and above it a sphere of 1,280 triangles, which are its first.
+/// Made once and kept.
+const Stage& outdoor_stage(std::size_t vertices);
+constexpr std::size_t lamp_triangles = 1280;
+
 /// That terrain as files with normals: binary PLY (50 MB for a million vertices), GLB, and OBJ;
 /// without: binary STL.
 const std::string& terrain_ply(std::size_t vertices);

@@ -20,9 +20,11 @@ struct Ground {
     const char* suffix;
     const Stage& (*stage)(std::size_t vertices);
     RawEmbree& (*raw)(std::size_t vertices);
+    bool faces_y = false;
 };
 constexpr Ground grounds[] = {{"", terrain_stage, terrain_embree},
                               {" on discs", cloud_stage, cloud_embree}};
+constexpr Ground outdoors{"", outdoor_stage, outdoor_embree, true};
 
 struct Lit {
     const char* name;
@@ -48,6 +50,55 @@ const std::vector<Lit>& lit()
              scene(RectLight{{0.3, -0.2, 0.6}, {0, 0.4, 0}, {0.4, 0, 0}, false}),
              few_sizes_and_threads},
             {"a constant sky, 16 samples", scene(EnvironmentLight{}), few_sizes_and_threads}};
+    }();
+    return all;
+}
+
+/// Low hills of light around, and a lamp on them: 1,024 by 512 texels, none of them even.
+EnvironmentLight hdr_map()
+{
+    Image image{1024, 512, {}, {}};
+    image.pixels.reserve(image.at(0, image.height));
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            const float across = static_cast<float>(x) / 1024.0F;
+            const float down = static_cast<float>(y) / 512.0F;
+            const float waves = 1.0F + std::sin(200.0F * across) * std::sin(90.0F * down);
+            const float away = std::hypot(across - 0.3F, down - 0.3F);
+            const float lamp = away < 0.03F ? 300.0F : 0.0F;
+            image.pixels.push_back({waves + lamp, waves + 0.8F * lamp, 2.0F * waves + 0.5F * lamp});
+        }
+    }
+    return {std::make_shared<const EnvironmentMap>(std::move(image)), 0.5};
+}
+
+MeshLight shining_lamp()
+{
+    const Stage& stage = outdoor_stage(1'000);  // the same at every size
+    std::vector<Emitter> emitters;
+    for (std::uint32_t t = 0; t < lamp_triangles; ++t) {
+        const Triangle& corners = stage.surface->triangles[t];
+        const auto& p = stage.mesh->positions;
+        emitters.push_back({{p[corners[0]], p[corners[1]], p[corners[2]]}, t, Rgb::grey(1.0)});
+    }
+    return {std::make_shared<const EmitterTable>(std::move(emitters))};
+}
+
+/// Lights that are drawn in part by the cosine, over the terrain lying.
+const std::vector<Lit>& lit_outdoors()
+{
+    static const std::vector<Lit> all = [] {
+        const auto scene = [](const LightShape& shape) {
+            Scene s;
+            s.lights = {test::light_of(shape)};
+            s.transport.samples = 16;
+            return s;
+        };
+        return std::vector<Lit>{
+            {"an HDR map, 16 samples", scene(hdr_map()), few_sizes_and_threads},
+            {"a clear sky, 16 samples", scene(make_sky(normalize({0.6, 0.5, 0.3}), 3.0)),
+             few_sizes_and_threads},
+            {"an emissive mesh, 16 samples", scene(shining_lamp()), few_sizes_and_threads}};
     }();
     return all;
 }
@@ -91,7 +142,10 @@ const SentRays& sent(const Ground& ground, const Scene& scene, std::size_t verti
     static std::map<std::pair<const Scene*, const Stage*>, SentRays> kept;
     const Stage& stage = ground.stage(vertices);
     const auto [at, is_new] = kept.try_emplace({&scene, &stage});
-    if (is_new) { at->second = sent_rays(stage, ground.raw(vertices), scene); }
+    if (is_new) {
+        at->second = sent_rays(stage, ground.raw(vertices), scene,
+                               terrain_stage(vertices).mesh->positions.size(), ground.faces_y);
+    }
     return at->second;
 }
 
@@ -126,21 +180,25 @@ void trace_raw(benchmark::State& state, const Ground& ground, const Scene& scene
     rate(state, "rays", rays.size());
 }
 
-[[maybe_unused]] const bool registered = [] {
-    for (const Ground& ground : grounds) {
-        for (const Lit& one : lit()) {
-            const std::string name = std::string("trace ") + one.name + ground.suffix;
-            benchmark::RegisterBenchmark(name.c_str(), [&](benchmark::State& state) {
-                trace_ours(state, ground, one.scene);
-            })->Apply(one.sizes);
-            for (const Pattern& pattern : patterns) {
-                benchmark::RegisterBenchmark(
-                    (name + " beside " + pattern.name).c_str(),
-                    [&](benchmark::State& state) { trace_raw(state, ground, one.scene, pattern); })
-                    ->Apply(one.sizes);
-            }
+void register_all(const Ground& ground, const std::vector<Lit>& lights)
+{
+    for (const Lit& one : lights) {
+        const std::string name = std::string("trace ") + one.name + ground.suffix;
+        benchmark::RegisterBenchmark(name.c_str(), [&](benchmark::State& state) {
+            trace_ours(state, ground, one.scene);
+        })->Apply(one.sizes);
+        for (const Pattern& pattern : patterns) {
+            benchmark::RegisterBenchmark(
+                (name + " beside " + pattern.name).c_str(),
+                [&](benchmark::State& state) { trace_raw(state, ground, one.scene, pattern); })
+                ->Apply(one.sizes);
         }
     }
+}
+
+[[maybe_unused]] const bool registered = [] {
+    for (const Ground& ground : grounds) { register_all(ground, lit()); }
+    register_all(outdoors, lit_outdoors());
     return true;
 }();
 
