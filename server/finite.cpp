@@ -10,7 +10,7 @@
 
 namespace relight {
 
-std::size_t clamp_to_finite(std::vector<Rgbf>& values, unsigned threads)
+std::size_t clamp_to_finite(std::span<Rgbf> values, unsigned threads)
 {
     constexpr std::size_t block = 1 << 15;
     Progress to_the_end;

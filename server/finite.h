@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
+#include <span>
 
 #include "core/base/rgb.h"
 
@@ -9,6 +9,6 @@ namespace relight {
 
 /// Values beyond single precision become its largest: an answer holds finite numbers only. Returns
 /// how many there were.
-std::size_t clamp_to_finite(std::vector<Rgbf>& values, unsigned threads);
+std::size_t clamp_to_finite(std::span<Rgbf> values, unsigned threads);
 
 }  // namespace relight

@@ -1,7 +1,5 @@
 #include "server/negotiate.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <charconv>
 #include <stdexcept>
@@ -136,36 +134,6 @@ bool accepts_gzip(std::string_view accept_encoding)
 std::string essence(std::string_view content_type)
 {
     return lower(trimmed(content_type.substr(0, content_type.find(';'))));
-}
-
-std::string gzip(std::string_view bytes)
-{
-    z_stream stream = {};
-    constexpr int gzip_wrapper = 15 + 16;  // zlib's way to say so, window 32 KiB
-    if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, gzip_wrapper, 8, Z_DEFAULT_STRATEGY) !=
-        Z_OK) {
-        throw std::runtime_error("deflateInit2 failed");
-    }
-    std::string out;
-    constexpr std::size_t piece_bytes = std::size_t{1} << 20U;  // zlib counts in unsigned
-    int state = Z_OK;
-    while (state == Z_OK) {
-        const std::string_view piece = bytes.substr(0, piece_bytes);
-        bytes.remove_prefix(piece.size());
-        // zlib does not write through next_in; its type is older than const.
-        stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece.data()));
-        stream.avail_in = static_cast<uInt>(piece.size());
-        do {
-            const std::size_t done = out.size();
-            out.resize(done + piece_bytes / 4);
-            stream.next_out = reinterpret_cast<Bytef*>(out.data() + done);
-            stream.avail_out = static_cast<uInt>(out.size() - done);
-            state = deflate(&stream, bytes.empty() ? Z_FINISH : Z_NO_FLUSH);
-            out.resize(out.size() - stream.avail_out);
-        } while (state == Z_OK && stream.avail_out == 0);
-    }
-    deflateEnd(&stream);
-    return out;
 }
 
 }  // namespace relight

@@ -21,7 +21,4 @@ bool accepts_gzip(std::string_view accept_encoding);
 /// The type of a Content-Type without its parameters, lower case.
 std::string essence(std::string_view content_type);
 
-/// RFC 1952, fastest level.
-std::string gzip(std::string_view bytes);
-
 }  // namespace relight

@@ -77,6 +77,23 @@ std::string receipt_json(const RelightRequest& request, const std::vector<Part>&
         .done();
 }
 
+Encoding with_receipt(Encoding json, std::string_view receipt)
+{
+    return {0, [json = std::move(json),
+                end = ",\"receipt\":" + std::string(receipt) + '}'](const Sink& sink) {
+                BlockOut out(sink);
+                std::string held;  // the last byte so far: of all, it is the brace that gives way
+                json.write([&](std::string_view bytes) {
+                    out.bytes(held);
+                    held = bytes.back();
+                    out.bytes(bytes.substr(0, bytes.size() - 1));
+                    return out.open();
+                });
+                out.bytes(end);
+                return out.flush();
+            }};
+}
+
 bool names_tag(std::string_view header, std::string_view tag)
 {
     while (!header.empty()) {

@@ -22,6 +22,9 @@ std::string request_digest(std::string_view json, const std::vector<Part>& parts
 std::string receipt_json(const RelightRequest& request, const std::vector<Part>& parts, Units units,
                          std::string_view digest, const Encoding& body);
 
+/// A JSON answer with its receipt as its last member.
+Encoding with_receipt(Encoding json, std::string_view receipt);
+
 /// Whether an If-None-Match header (RFC 9110, 13.1.2) names this entity tag.
 bool names_tag(std::string_view header, std::string_view tag);
 

@@ -70,13 +70,7 @@ Result<Encoded> light_vertices(const RelightRequest& request, Format format, con
         const auto lit =
             std::make_shared<Lit>(Lit{stage, scene, std::move(transport), std::move(shaded),
                                       encoded.warnings, std::move(source)});
-        auto answer =
-            encode_mesh(lit, request.display, output, format, last, workshop.threads, progress);
-        // JSON is compressed for those who take gzip, and so made whole.
-        return format == Format::Json ? std::move(answer).transform([](const Encoding& json) {
-            return sent_whole(whole(json));
-        })
-                                      : std::move(answer);
+        return encode_mesh(lit, request.display, output, format, last, workshop.threads, progress);
     });
     if (progress.stopped()) { return cancelled(); }
     if (!body) { return std::move(body).error(); }

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "server/encode.h"
+#include "server/gzip.h"
 #include "server/json_tree.h"
 #include "server/negotiate.h"
 #include "server/output_json.h"
@@ -111,16 +112,22 @@ bool write(const Encoding& body, httplib::DataSink& sink, Log& log) noexcept
     return false;
 }
 
-/// One answer: JSON at once, so that it can be compressed; files while they are encoded. Text whose
-/// length nobody knows yet goes in chunks, which HTTP/1.0 has not.
+/// One answer, while it is encoded. Text whose length nobody knows yet goes in chunks, which
+/// HTTP/1.0 has not.
 void send(Encoded&& encoded, const httplib::Request& request, httplib::Response& response, Log& log)
 {
-    if (encoded.media_type == "application/json") {
+    const bool json = encoded.media_type == "application/json";
+    const bool in_chunks = encoded.body.bytes == 0 && request.version == "HTTP/1.1";
+    if (json && !in_chunks) {  // answer() compresses it
         response.body = whole(encoded.body);
         response.set_header("Content-Type", encoded.media_type);
         return;
     }
-    if (encoded.body.bytes == 0 && request.version == "HTTP/1.1") {
+    if (in_chunks) {
+        if (json && accepts_gzip(request.get_header_value(accept_encoding_field))) {
+            encoded.body = gzipped(std::move(encoded.body));
+            response.set_header("Content-Encoding", "gzip");
+        }
         response.set_chunked_content_provider(
             encoded.media_type,
             [body = std::move(encoded.body), &log](std::size_t, httplib::DataSink& sink) {
@@ -307,10 +314,7 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
         const std::string receipt =
             receipt_json(job->request, job->posted.parts, encoded->units, digest, encoded->body);
         if (job->format == Format::Json) {
-            std::string json = whole(encoded->body);
-            json.back() = ',';
-            json.append("\"receipt\":").append(receipt) += '}';
-            encoded->body = sent_whole(std::move(json));
+            encoded->body = with_receipt(std::move(encoded->body), receipt);
         } else {
             response.set_header("Relight-Receipt", receipt);
         }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/gzip.h"
 #include "server/json_text.h"
 #include "server/json_tree.h"
 #include "server/negotiate.h"

@@ -13,8 +13,7 @@ namespace sobol {
 
 constexpr std::uint32_t reverse_bits(std::uint32_t x)
 {
-    x = (x << 16U) | (x >> 16U);
-    x = ((x & 0x00ff00ffU) << 8U) | ((x & 0xff00ff00U) >> 8U);
+    x = __builtin_bswap32(x);
     x = ((x & 0x0f0f0f0fU) << 4U) | ((x & 0xf0f0f0f0U) >> 4U);
     x = ((x & 0x33333333U) << 2U) | ((x & 0xccccccccU) >> 2U);
     return ((x & 0x55555555U) << 1U) | ((x & 0xaaaaaaaaU) >> 1U);

@@ -120,7 +120,7 @@ std::vector<Reading> read(const Mesh& around, const std::vector<Meter>& places, 
         trace(meters.stage, scene, {.radiance = true, .threads = 1}, unseen);
     const Shaded shaded = shade(meters.stage, transport, scene,
                                 {.per_light = true, .standard_error = true, .threads = 1}, unseen);
-    const auto red = [](const std::vector<Rgbf>& values, std::size_t v) {
+    const auto red = [](std::span<const Rgbf> values, std::size_t v) {
         return static_cast<double>(values[v][0]);
     };
     std::vector<Reading> readings;

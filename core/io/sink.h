@@ -6,15 +6,15 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-namespace relight {
+#include "core/io/sender.h"
 
-/// Takes the next bytes of an answer; the view ends with the call. False: the receiver is gone.
-using Sink = std::function<bool(std::string_view)>;
+namespace relight {
 
 /// An answer that is written while it is sent: nobody holds all of it.
 struct Encoding {
@@ -44,8 +44,8 @@ inline Encoding sent_whole(std::string bytes)
     return {kept->size(), [kept](const Sink& sink) { return kept->empty() || sink(*kept); }};
 }
 
-/// Collects small pieces for a sink in one block of memory that is used again and again: fresh
-/// memory costs more than filling it.
+/// Collects small pieces for a sink in two blocks of memory that are used again and again: fresh
+/// memory costs more than filling it. One is filled while the other is sent.
 class BlockOut {
   public:
     explicit BlockOut(const Sink& sink) : sink_(sink), block_(block_bytes) {}
@@ -53,7 +53,7 @@ class BlockOut {
     /// Room for `bytes` more: fill it whole. Stays valid until the next call.
     char* room(std::size_t bytes)
     {
-        if (bytes > block_.size() - used_) { flush(); }
+        if (bytes > block_.size() - used_) { hand_over(); }
         if (bytes > block_.size()) { block_ = std::vector<char>(bytes); }
         used_ += bytes;
         return block_.data() + used_ - bytes;
@@ -85,6 +85,7 @@ class BlockOut {
     /// is dropped, and there is no use in going on.
     bool flush()
     {
+        if (sender_) { open_ = sender_->wait() && open_; }
         if (open_ && used_ > 0) { open_ = sink_({block_.data(), used_}); }
         used_ = 0;
         return open_;
@@ -95,11 +96,24 @@ class BlockOut {
     static constexpr std::size_t block_bytes = std::size_t{1} << 18;
 
   private:
+    /// Has the block sent, and goes on in the other. What fits in one block needs no thread.
+    void hand_over()
+    {
+        if (open_ && used_ > 0) {
+            if (!sender_) { sender_.emplace(sink_); }
+            open_ = sender_->send({block_.data(), used_});
+            block_.swap(other_);
+            if (block_.empty()) { block_ = std::vector<char>(block_bytes); }
+        }
+        used_ = 0;
+    }
+
     static constexpr std::size_t direct_bytes = std::size_t{1} << 16;
     const Sink& sink_;
-    std::vector<char> block_;
+    std::vector<char> block_, other_;
     std::size_t used_ = 0;
     bool open_ = true;
+    std::optional<Sender> sender_;  // last: it ends before the blocks do
 };
 
 }  // namespace relight

@@ -41,47 +41,27 @@ enum class PlyEncoding { BinaryLittleEndian, Ascii };
 /// Filed normals and colours are kept where `lit` has none of its own: colours as uchar if 8-bit
 /// codes say them exactly, else as linear floats.
 Encoding encode_ply(const LitMesh& lit, PlyEncoding encoding = PlyEncoding::BinaryLittleEndian);
-inline std::string write_ply(const LitMesh& lit, PlyEncoding encoding)
-{
-    return whole(encode_ply(lit, encoding));
-}
 
 /// NumPy's .npz (stored, not compressed): each quantity float32 (V,3) or (V,), `color` uint8 (V,3),
 /// `normal` float32 (V,3), `positions` float64 (V,3), `faces` int32 (F,3) triangles as filed or
 /// `faces`+`face_offsets` for polygons. The same input gives the same bytes.
 Encoding encode_npz(const LitMesh& lit);
-inline std::string write_npz(const LitMesh& lit)
-{
-    return whole(encode_npz(lit));
-}
 
 /// Wavefront OBJ: v x y z [r g b], vt, vn, faces as filed under their usemtl. A vertex has one
 /// normal and, but for corner_uvs, one vt; in a cloud, none. Colour alone of what a LitMesh holds:
 /// quantities have no place in it. Asked-for colour is sRGB / 255, the common extension; filed
 /// colours are linear, as read_obj takes them; a comment says which.
 Encoding encode_obj(const LitMesh& lit);
-inline std::string write_obj(const LitMesh& lit)
-{
-    return whole(encode_obj(lit));
-}
 
 /// Geomview OFF, ascii: [ST][C][N]OFF with faces as filed, colours as 0..255 and an alpha of 255.
 /// Colours that are no 8-bit codes are linear, with a point. Colour alone.
 Encoding encode_off(const LitMesh& lit);
-inline std::string write_off(const LitMesh& lit)
-{
-    return whole(encode_off(lit));
-}
 
 /// VTK's XML PolyData, raw appended binary: faces as Polys (vertices of a cloud as Verts), arrays
 /// Normals, TCoords, "color" (uchar; filed colours that are no 8-bit codes: "color_linear", float)
 /// and each quantity by its name, as far as XML takes it. Comments are an array of the field data.
 /// VTK writes it, and so it is held whole.
 Encoding encode_vtp(const LitMesh& lit);
-inline std::string write_vtp(const LitMesh& lit)
-{
-    return whole(encode_vtp(lit));
-}
 
 /// glTF 2.0 as GLB, from nothing but the mesh: one node; a primitive a material group (points for a
 /// cloud), unlit white materials, so that viewers show the colours as they are; COLOR_0 is linear
@@ -90,19 +70,11 @@ inline std::string write_vtp(const LitMesh& lit)
 /// Comments, and what had to be left out, are asset.extras.relight. No bytes beyond 4 GiB, the most
 /// that a GLB holds.
 Encoding encode_glb(const LitMesh& lit);
-inline std::string write_glb(const LitMesh& lit)
-{
-    return whole(encode_glb(lit));
-}
 
 /// The LAS file that a cloud came as, with its colours replaced by `color` (16 bits: code * 257);
 /// a point format without R G B becomes the one that has it. All else stays.
 /// Errors: those of read_las.
 Result<Encoding> encode_las(std::span<const std::byte> file, std::span<const Rgb8> color);
-inline Result<std::string> write_las(std::span<const std::byte> file, std::span<const Rgb8> color)
-{
-    return encode_las(file, color).transform(whole);
-}
 
 /// Radiance .hdr (RGBE, run-length encoded), linear Rec.709, row 0 on top. Within 1/256 of each
 /// pixel's largest band, from 2^-128 (below is black) to 255/256 2^127 (brighter is cut).

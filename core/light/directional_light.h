@@ -36,6 +36,8 @@ class SunView {
     LightSample sample(Sample2 s) const { return sample_direction(s); }
     LightSample look(Dir3 wi) const;
 
+    double height() const { return height_; }  ///< 1 - cos of its half angle
+
     static constexpr bool is_seen() { return true; }
     LightSample sample_direction(Sample2 s) const
     {

@@ -19,32 +19,6 @@ std::size_t cell(double t, int n)
     return static_cast<std::size_t>(t < n ? std::max(0, static_cast<int>(t)) : n - 1);
 }
 
-/// The guide of the part of the sums that u falls in.
-std::size_t guide_of(double u, std::size_t sums)
-{
-    const double n = static_cast<double>(sums);
-    return static_cast<std::size_t>(std::min(u * n, n - 1.0));
-}
-
-/// A cell drawn in proportion to its step of the running sum, and where in the cell u fell.
-/// `guide` holds for each of as many equal parts of [0, sums.back()] as there are sums, which sum
-/// is the first beyond its beginning: on average the next one or two are looked at.
-EnvironmentMap::Cell draw(std::span<const double> sums, std::span<const int> guide, double u)
-{
-    const double t = u * sums.back();
-    std::size_t i = static_cast<std::size_t>(guide[guide_of(u, sums.size())]);
-    // The first sum beyond t ends a step of more than 0; that u n was rounded up is mended.
-    while (i > 0 && sums[i - 1] > t) { --i; }
-    while (i < sums.size() && !(sums[i] > t)) { ++i; }
-    // u < 1 may round up to the whole sum: then the first to reach it is the last such step.
-    if (i == sums.size()) {
-        i = static_cast<std::size_t>(std::lower_bound(sums.begin(), sums.end(), sums.back()) -
-                                     sums.begin());
-    }
-    const double before = i == 0 ? 0.0 : sums[i - 1];
-    return {i, std::clamp((t - before) / (sums[i] - before), 0.0, 1.0)};
-}
-
 /// Appends the guide of such sums.
 void append_guide(std::span<const double> sums, std::vector<int>& guide)
 {
@@ -58,14 +32,6 @@ void append_guide(std::span<const double> sums, std::vector<int>& guide)
 }
 
 constexpr int guides_a_row = 4;  // of equal height: as rows are thinnest at the poles
-
-/// Keeps a place drawn in a texel off its edges, where the rounding of a direction (and of its
-/// rotation) could carry it into a neighbour of another density.
-double off_the_edges(double fraction)
-{
-    constexpr double margin = 1e-7;
-    return margin + (1.0 - 2.0 * margin) * fraction;
-}
 
 /// Turned about +Y by an angle of this cosine and sine, counter-clockwise seen from above.
 Vec3 turned(Vec3 w, double c, double s)
@@ -89,6 +55,7 @@ EnvironmentMap::EnvironmentMap(Image image) : image_(std::move(image))
             row += Omega * luminance(to_double(image_.pixels[image_.at(x, y)]));
             texel_cdf_.push_back(row);
         }
+        row_sums_.push_back(row);
         total_ += row;
         row_cdf_.push_back(total_);
         append_guide(std::span(texel_cdf_).last(static_cast<std::size_t>(image_.width)),
@@ -149,41 +116,15 @@ std::size_t EnvironmentMap::texel_along(Vec3 w) const
     return texel_at(0.5 + angle * (0.5 / pi), w.y);
 }
 
-EnvironmentMap::Cell EnvironmentMap::draw_row(double v) const
-{
-    return draw(row_cdf_, row_guide_, v);
-}
-
-std::size_t EnvironmentMap::guide_of_column(std::size_t row, double u) const
-{
-    const std::size_t width = static_cast<std::size_t>(image_.width);
-    return row * width + guide_of(u, width);
-}
-
-EnvironmentMap::Cell EnvironmentMap::draw_column(std::size_t row, double u) const
-{
-    const std::size_t width = static_cast<std::size_t>(image_.width);
-    return draw(std::span(texel_cdf_).subspan(row * width, width),
-                std::span(texel_guide_).subspan(row * width, width), u);
-}
-
-double EnvironmentMap::turns(std::size_t column, double fraction) const
-{
-    return (static_cast<double>(column) + off_the_edges(fraction)) / image_.width - 0.5;
-}
-
-double EnvironmentMap::height(Cell row) const
-{
-    const double top = row_cos_[row.index], bottom = row_cos_[row.index + 1];
-    return top + off_the_edges(row.fraction) * (bottom - top);
-}
-
 EnvironmentMap::Seen EnvironmentMap::sample(Sample2 s) const
 {
     if (!(total_ > 0.0)) { return {}; }
     const Cell row = draw_row(s.v), column = draw_column(row.index, s.u);
-    const warp::SineCosine phi = warp::sine_cosine_of_turns(turns(column.index, column.fraction));
-    const double y = height(row);
+    const double turns =
+        (static_cast<double>(column.index) + column.fraction()) / image_.width - 0.5;
+    const warp::SineCosine phi = warp::sine_cosine_of_turns(turns);
+    const double top = upper_edge(row.index), bottom = upper_edge(row.index + 1);
+    const double y = top + row.fraction() * (bottom - top);
     const double sine = std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y)));
     return seen(row.index * static_cast<std::size_t>(image_.width) + column.index,
                 {sine * phi.cosine, y, sine * phi.sine});
@@ -192,7 +133,9 @@ EnvironmentMap::Seen EnvironmentMap::sample(Sample2 s) const
 std::uint64_t EnvironmentMap::bytes() const
 {
     return image_.pixels.capacity() * sizeof(Rgbf) + image_.coverage.capacity() * sizeof(float) +
-           (row_cdf_.capacity() + texel_cdf_.capacity() + row_cos_.capacity()) * sizeof(double) +
+           (row_cdf_.capacity() + texel_cdf_.capacity() + row_sums_.capacity() +
+            row_cos_.capacity()) *
+               sizeof(double) +
            (row_guide_.capacity() + texel_guide_.capacity() + height_guide_.capacity()) *
                sizeof(int);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/light/emitter_tree.h"
 #include "core/light/triangle.h"
 
 namespace relight {
@@ -46,14 +47,32 @@ EmitterTable::EmitterTable(std::vector<Emitter> emitters) : emitters_(std::move(
         cdf_.push_back(sum);
         flux_ += emitter.L * (std::numbers::pi * area(emitter));
     }
+    bounds_ = bounds_of(emitters_);
+    const auto parts = static_cast<double>(cdf_.size());
+    std::uint32_t i = 0;
+    for (std::size_t part = 0; part < cdf_.size(); ++part) {
+        const double t = static_cast<double>(part) / parts * sum;
+        while (i + 1 < cdf_.size() && !(cdf_[i] > t)) { ++i; }
+        guide_.push_back(i);
+    }
+}
+
+EmitterTable::~EmitterTable() = default;
+
+const Emitter& EmitterTable::drawn_by(double pick) const
+{
+    const double t = pick * cdf_.back();  // may round up to the whole sum
+    const auto parts = static_cast<double>(cdf_.size());
+    std::size_t i = guide_[static_cast<std::size_t>(std::min(pick * parts, parts - 1.0))];
+    while (i > 0 && cdf_[i - 1] > t) { --i; }  // pick * parts may have been rounded up
+    while (i + 1 < cdf_.size() && !(cdf_[i] > t)) { ++i; }
+    return emitters_[i];
 }
 
 LightSample EmitterTable::sample(Point3 p, Sample2 s, double pick) const
 {
     if (emitters_.empty()) { return {}; }
-    const double t = pick * cdf_.back();  // may round up to the whole sum
-    const auto it = std::upper_bound(cdf_.begin(), cdf_.end() - 1, t);
-    const Emitter& emitter = emitters_[static_cast<std::size_t>(it - cdf_.begin())];
+    const Emitter& emitter = drawn_by(pick);
     if (!is_in_front(emitter, p)) { return {}; }
     LightSample drawn = sample_triangle(emitter.corners, p, s);
     if (!drawn.wi) { return {}; }
@@ -65,11 +84,23 @@ LightSample EmitterTable::sample(Point3 p, Sample2 s, double pick) const
 LightSample EmitterTable::look(std::uint32_t primitive, Point3 p, Dir3 wi) const
 {
     const Emitter* emitter = find(primitive);
-    if (emitter == nullptr || !is_in_front(*emitter, p)) { return {}; }
-    LightSample seen = look_at_triangle(emitter->corners, p, wi);
+    return emitter != nullptr ? look(*emitter, p, wi) : LightSample{};
+}
+
+LightSample EmitterTable::look_along(Point3 origin, Point3 p, Dir3 wi) const
+{
+    std::call_once(is_planted_, [&] { tree_ = std::make_unique<const EmitterTree>(emitters_); });
+    const auto met = tree_->nearest(origin, wi);
+    return met ? look(emitters_[*met], p, wi) : LightSample{};
+}
+
+LightSample EmitterTable::look(const Emitter& emitter, Point3 p, Dir3 wi) const
+{
+    if (!is_in_front(emitter, p)) { return {}; }
+    LightSample seen = look_at_triangle(emitter.corners, p, wi);
     if (!seen.wi) { return {}; }
-    seen.L = emitter->L;
-    seen.pdf *= weight(*emitter) / cdf_.back();
+    seen.L = emitter.L;
+    seen.pdf *= weight(emitter) / cdf_.back();
     return seen;
 }
 

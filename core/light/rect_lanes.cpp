@@ -6,6 +6,7 @@
 #include "core/base/vectors.h"
 #include "core/light/polygon.h"
 #include "core/light/rect_light.h"
+#include "core/light/triangle_lanes.h"
 
 // CMakeLists.txt has this file optimised for vectors.
 
@@ -71,31 +72,6 @@ inline double lane_irradiance(const RectLight& light, Vec3 normal, Vec3 to_cente
     return choose(shines & where(E > 0.0), std::min(E, std::numbers::pi), 0.0);
 }
 
-/// TriangleView::solid_angle of a, b, c.
-inline double solid_angle(Vec3 a, Vec3 b, Vec3 c, double la, double lb, double lc, double volume)
-{
-    return 2.0 * warp::angle_above(std::abs(volume),
-                                   la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-}
-
-/// SphericalTriangle's, of unit A, B and C; no number where there is none.
-inline SphericalTriangle spherical(Vec3 A, Vec3 B, Vec3 C, double angle)
-{
-    SphericalTriangle half;
-    half.solid_angle = angle;
-    half.A = A;
-    half.B = B;
-    const Vec3 chord = C - A;
-    const Vec3 once = chord - A * dot(A, chord);
-    const Vec3 twice = once - A * dot(A, once);
-    half.T = twice * (1.0 / std::sqrt(dot(twice, twice)));
-    const Vec3 both = A + B;
-    half.sum = 0.5 * dot(both, both);
-    half.sine = std::abs(dot(cross(A, B - A), half.T));
-    half.b_dot_t = dot(B, half.T);
-    return half;
-}
-
 inline RectDirections lane_directions(const RectLight& light, Vec3 normal, double least_volume2,
                                       Vec3 to_center)
 {
@@ -114,12 +90,12 @@ inline RectDirections lane_directions(const RectLight& light, Vec3 normal, doubl
     const double near2 =
         std::min(std::min(squared[0], squared[1]), std::min(squared[2], squared[3]));
     RectDirections there;
-    there.halves[0] = spherical(
-        unit[0], unit[1], unit[2],
-        solid_angle(at[0], at[1], at[2], distance[0], distance[1], distance[2], seen.volume));
-    there.halves[1] = spherical(
-        unit[0], unit[2], unit[3],
-        solid_angle(at[0], at[2], at[3], distance[0], distance[2], distance[3], seen.volume));
+    there.halves[0] = lanes::spherical(unit[0], unit[1], unit[2],
+                                       lanes::solid_angle(at[0], at[1], at[2], distance[0],
+                                                          distance[1], distance[2], seen.volume));
+    there.halves[1] = lanes::spherical(unit[0], unit[2], unit[3],
+                                       lanes::solid_angle(at[0], at[2], at[3], distance[0],
+                                                          distance[2], distance[3], seen.volume));
     there.normal = normal;
     there.height = std::abs(seen.volume);
     there.farthest = std::sqrt(far2);

@@ -40,27 +40,38 @@ struct RectDirections {
 
     bool is_seen() const { return whole > 0.0; }
     /// Without a branch; where something is seen.
-    LightSample sample_direction(Sample2 s) const
+    LightSample sample_direction(Sample2 s) const { return toward(corner(s.u), s); }
+    /// Its two steps: of the half that u chooses, the corner that cuts off what u is within it.
+    /// Points that are well apart stay so.
+    Vec3 corner(double u) const
     {
-        // s.u chooses the half and is then spread over it: points that are well apart stay so.
-        const double at = s.u * whole;
+        const double at = u * whole;
+        const Mask other = where(at >= halves[0].solid_angle);
+        const SphericalTriangle half = chosen(other);
+        const double rest = at - choose(other, halves[0].solid_angle, 0.0);
+        const double most = half.solid_angle * below_one;
+        return half.corner(rest < most ? rest : most);
+    }
+    LightSample toward(Vec3 corner, Sample2 s) const
+    {
+        const Vec3 wi = chosen(where(s.u * whole >= halves[0].solid_angle)).toward(corner, s.v);
+        const double distance = height / std::abs(dot(wi, normal));
+        // No farther than the farthest corner, whatever the rounding of a grazing direction.
+        return {unit_already(wi), distance <= farthest ? distance : farthest, Rgb::grey(1.0),
+                1.0 / whole};
+    }
+    SphericalTriangle chosen(Mask other) const
+    {
         const SphericalTriangle &a = halves[0], &b = halves[1];
-        const Mask other = where(at >= a.solid_angle);
         SphericalTriangle half;
         half.solid_angle = choose(other, b.solid_angle, a.solid_angle);
-        half.A = a.A;  // they share that corner
+        half.A = {a.A.x, a.A.y, a.A.z};  // shared; g++ 12 makes no vectors of a copied struct
         half.B = choose(other, b.B, a.B);
         half.T = choose(other, b.T, a.T);
         half.sum = choose(other, b.sum, a.sum);
         half.sine = choose(other, b.sine, a.sine);
         half.b_dot_t = choose(other, b.b_dot_t, a.b_dot_t);
-        const double share = (at - choose(other, a.solid_angle, 0.0)) / half.solid_angle;
-        s.u = share < below_one ? share : below_one;
-        const Vec3 wi = half.direction(s);
-        const double distance = height / std::abs(dot(wi, normal));
-        // No farther than the farthest corner, whatever the rounding of a grazing direction.
-        return {unit_already(wi), distance <= farthest ? distance : farthest, Rgb::grey(1.0),
-                1.0 / whole};
+        return half;
     }
 
     static constexpr double below_one = 1.0 - 0x1p-33;
@@ -85,6 +96,8 @@ class RectView {
     /// What sample() gives where not by_area() and something is seen: without a branch.
     bool is_seen() const { return directions_.is_seen(); }
     LightSample sample_direction(Sample2 s) const { return directions_.sample_direction(s); }
+    Vec3 corner(double u) const { return directions_.corner(u); }
+    LightSample toward(Vec3 corner, Sample2 s) const { return directions_.toward(corner, s); }
 
   private:
     std::array<TriangleView, 2> halves_;

@@ -34,23 +34,32 @@ struct SphericalTriangle {
     SphericalTriangle() = default;
     SphericalTriangle(Dir3 a, Dir3 b, Dir3 c, double angle);
 
-    Dir3 direction(Sample2 s) const
+    static constexpr double least = 1e-150;  // where rounding leaves nothing: at A, or at B
+
+    Dir3 direction(Sample2 s) const { return direction(s.u * solid_angle, s.v); }
+    /// That cuts off `angle` of the solid angle.
+    Dir3 direction(double angle, double v) const { return toward(corner(angle), v); }
+    /// C', and the direction at v on the arc from B to it.
+    Vec3 corner(double angle) const
     {
-        const warp::SineCosine eighth = warp::sine_cosine(0.125 * s.u * solid_angle);
+        const warp::SineCosine eighth = warp::sine_cosine(0.125 * angle);
         const double s4 = 2.0 * eighth.sine * eighth.cosine;
         const double c4 = 1.0 - 2.0 * eighth.sine * eighth.sine;
         const double up = 2.0 * s4 * c4 * sum;  // sin(Omega' / 2) (1 + A . B)
-        constexpr double least = 1e-150;        // at A where rounding leaves neither up nor down
         const double down = sine * ((c4 - s4) * (c4 + s4)) - 2.0 * s4 * c4 * b_dot_t + least;
         // cos(tau) and sin(tau) of tan(tau / 2) = up / down
         const double over = 1.0 / (down * down + up * up);
-        const Vec3 corner = A * ((down - up) * (down + up) * over) + T * (2.0 * up * down * over);
+        return A * ((down - up) * (down + up) * over) + T * (2.0 * up * down * over);
+    }
+    Dir3 toward(Vec3 corner, double v) const
+    {
         const Vec3 chord = corner - B;
         const double chord2 = dot(chord, chord);
-        const double k = s.v * 0.5 * chord2;             // 1 - cos of the angle from B
+        const double k = v * 0.5 * chord2;               // 1 - cos of the angle from B
         const Vec3 across = chord + B * (0.5 * chord2);  // perpendicular to B, for |corner| = 1
         const double across2 = dot(across, across) + least * least;
-        const double sine_per_across = std::sqrt(k * (2.0 - k) / across2);
+        const double sine2 = k * (2.0 - k);
+        const double sine_per_across = sine2 * inverse_root(sine2 * across2);
         const Vec3 wi = B * (1.0 - k) + across * sine_per_across;
         // Perpendicular but for 1e-16 / |across|, 1e-7 at worst: one step of Newton's for 1 / |wi|.
         return unit_already(wi * (1.5 - 0.5 * dot(wi, wi)));

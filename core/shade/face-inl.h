@@ -23,11 +23,11 @@ struct Range {
 
 /// Vertices as their viewer sees them: half a vector of floats.
 struct Seen {
-    Vector p, n;  ///< n on the seen side
-    Vector wo;
-    Double cos_o;  ///< 0: not seen
-    Vector x, y;   ///< the lobe's axes, on that side
-    Vector L;
+    Vector p, n;    ///< n on the seen side
+    Double cos_o;   ///< 0: not seen
+    Vector across;  ///< wo across the normal
+    Vector x, y;    ///< the lobe's axes, on that side
+    Double wo_x, wo_y;
 };
 
 HWY_INLINE Seen look(const View& view, Range at)
@@ -38,16 +38,17 @@ HWY_INLINE Seen look(const View& view, Range at)
     s.p = read_rows(view.positions + 3 * at.v, at.left);
     s.n = read_rows(view.normals + 3 * at.v, at.left);
     if (viewer.place == Viewer::Place::AlongNormal) {
-        s.wo = s.n;
         s.cos_o = hn::IfThenElseZero(dot(s.n, s.n) > hn::Zero(d), all(1.0));
+        s.across = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
         return s;
     }
-    s.wo = all(viewer.at);
+    Vector wo = all(viewer.at);
     if (viewer.place == Viewer::Place::Point) {
-        s.wo = s.wo - s.p;
-        s.wo = s.wo * inverse_root(dot(s.wo, s.wo));
+        wo = wo - s.p;
+        wo = wo * inverse_root(dot(wo, wo));
     }
-    const Double facing = dot(s.n, s.wo);
+    const Double facing = dot(s.n, wo);
+    s.across = minus(wo, s.n, facing);
     s.cos_o = hn::Max(facing, hn::Zero(d));
     if (viewer.two_sided) {
         s.n = turned(s.n, hn::And(facing, hn::SignBit(d)));
@@ -67,17 +68,29 @@ HWY_INLINE void add_axes(Seen& s, const Block& block, const Task& task, Range at
     }
     const Double c = all(task.reflector->turn_cos), sine = all(task.reflector->turn_sin);
     s.x = plus(x * c, y, sine);
-    s.y = plus(y * c, x, hn::Neg(sine));
+    s.y = minus(y * c, x, sine);
+    s.wo_x = dot(s.across, s.x);
+    s.wo_y = dot(s.across, s.y);
 }
 
-/// What f depends on, in double: an At that is not yet rounded.
+/// What f is made of besides the cosines: nothing; wi.wo across the normal; the half vector; the
+/// half vector, and directions along the lobe's axes.
+enum class Made { OfCosines, OfAlong, OfHalf, OfAxes };
+
+template <Model model, bool anisotropic>
+constexpr Made made = model == Model::Lambert     ? Made::OfCosines
+                      : model == Model::OrenNayar ? Made::OfAlong
+                      : anisotropic               ? Made::OfAxes
+                                                  : Made::OfHalf;
+
+/// In double: an At that is not yet rounded.
 struct Facing {
-    Double ci, h2, hxy2, along, x, y, h_x, h_y;
+    Double ci, hxy2, along, x, y, h_x, h_y;
 };
 
-/// h = wi + wo loses nothing where they nearly cancel, and is formed before it is divided into its
-/// share along the normal and that across.
-template <Model model, bool anisotropic>
+/// Of h = wi + wo the part across the normal is the sum of theirs, which loses nothing where they
+/// nearly cancel. (h.h - h_z^2 would, where both directions graze.)
+template <Made made>
 HWY_INLINE Facing face(const Seen& s, const Source& source, bool both_sides)
 {
     Facing f;
@@ -88,28 +101,22 @@ HWY_INLINE Facing face(const Seen& s, const Source& source, bool both_sides)
         inverse = inverse_root(dot(to_light, to_light));
     }
     f.ci = dot(s.n, to_light) * inverse;
-    Vector wo = s.wo;
-    if (both_sides) {  // wo is the normal: on the side of the light
-        wo = turned(wo, hn::And(f.ci, hn::SignBit(Doubles())));
+    if (both_sides) {  // wo is the normal: a light behind is as good as its image before
+        to_light = turned(to_light, hn::And(f.ci, hn::SignBit(Doubles())));
         f.ci = hn::Abs(f.ci);
     }
-    if constexpr (model == Model::Lambert) { return f; }
-    if constexpr (model == Model::OrenNayar) {
-        f.along = hn::NegMulAdd(f.ci, s.cos_o, dot(to_light, wo) * inverse);
+    if constexpr (made == Made::OfCosines) { return f; }
+    if constexpr (made == Made::OfAlong) {
+        f.along = dot(to_light, s.across) * inverse;
         return f;
     }
-    const Vector h = plus(wo, to_light, inverse);
-    const Double hz = f.ci + s.cos_o;
-    // Not from h.h - hz^2, which cancels where both directions graze: an error of hz leaves h's
-    // part across the normal as long as it is.
-    const Vector across = plus(h, both_sides ? wo : s.n, hn::Neg(hz));
+    const Vector across = minus(plus(s.across, to_light, inverse), s.n, f.ci);
     f.hxy2 = dot(across, across);
-    f.h2 = hn::MulAdd(hz, hz, f.hxy2);
-    if constexpr (anisotropic) {
+    if constexpr (made == Made::OfAxes) {
         f.x = dot(to_light, s.x) * inverse;
         f.y = dot(to_light, s.y) * inverse;
-        f.h_x = dot(h, s.x);
-        f.h_y = dot(h, s.y);
+        f.h_x = f.x + s.wo_x;
+        f.h_y = f.y + s.wo_y;
     }
     return f;
 }

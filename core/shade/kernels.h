@@ -76,6 +76,8 @@ struct Block {
     alignas(64) double x[3][block_size];    ///< of the tangent frame; anisotropic materials' only
     alignas(64) double y[3][block_size];
     alignas(64) double L[3][block_size];  ///< radiance
+    /// So many of the first vertices have one rho, and an L of 0: blocks that follow find them so.
+    std::size_t of_one_rho = 0, dark = 0;
 };
 
 /// Of what material vertices are, who sees them, and by what they are lit.

@@ -1,7 +1,12 @@
 #include "core/shade/paths.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <tuple>
+#include <utility>
 
 #include "core/base/mis.h"
 
@@ -22,11 +27,26 @@ Rgb response(const Seen& seen, Vec3 wi)
 /// The way a path goes on, drawn from the material.
 struct Way {
     std::size_t path = 0;
+    Vec3 local;  ///< in the frame of the place
     Dir3 wi;
     double pdf = 0.0;
     Rgb weight;  ///< the path's, with f cos / pdf of this place
     ShadowRay ray;
 };
+
+/// A ball around a light that has a place and a size; of others all of space.
+std::pair<Point3, double> ball_around(const LightShape& shape)
+{
+    if (const auto* rect = std::get_if<RectLight>(&shape)) {
+        return {rect->center, 0.5 * std::max(length(rect->edge_u + rect->edge_v),
+                                             length(rect->edge_u - rect->edge_v))};
+    }
+    if (const auto* disk = std::get_if<DiskLight>(&shape)) { return {disk->center, disk->radius}; }
+    if (const auto* ball = std::get_if<SphereLight>(&shape)) {
+        return {ball->center, ball->radius};
+    }
+    return {{}, infinite};
+}
 
 class Follower {
   public:
@@ -39,13 +59,18 @@ class Follower {
     }
 
     /// Light by directions that the lights choose.
-    void ask_lights(const EyePath& path)
+    void ask_lights(std::span<const EyePath> paths)
     {
         for (const Lamp& lamp : world_.lamps) {
             if (lamp.delta) {
-                ask_delta(path, lamp);
+                for (const EyePath& path : paths) { ask_delta(path, lamp); }
+            } else if (const auto* rect = std::get_if<RectLight>(&lamp.light->shape)) {
+                ask_rect(paths, lamp, *rect);
             } else if (lamp.by_light) {
-                ask_sampled(path, lamp);
+                for (const EyePath& path : paths) {
+                    const auto [s, pick] = draw_for(path, lamp);
+                    ask_sampled(path, lamp, sample(lamp.light->shape, path.seen.at.p, s, pick));
+                }
             }
         }
     }
@@ -58,11 +83,26 @@ class Follower {
                                         path.sequence.at(path.point, first_pair_ + way_pair),
                                         path.sequence.at(path.point, first_pair_ + way_pick).u);
         if (!(drawn.wi.z > 0.0)) { return false; }
+        way.local = drawn.wi;
         way.wi = normalize(seen.at.frame.to_world(drawn.wi));
         way.pdf = drawn.pdf;
-        way.weight = path.weight * ratio(response(seen, drawn.wi), drawn.pdf);
-        if (!way.wi || is_black(way.weight) || !is_above(seen, way.wi)) { return false; }
-        way.ray = ray_toward(seen, way.wi, infinite);
+        return way.wi && is_above(seen, way.wi);
+    }
+
+    /// Whether a light that has no face in the mesh may lie on the way.
+    bool may_lead_to_light(const EyePath& path, const Way& way) const
+    {
+        return std::any_of(world_.lamps.begin(), world_.lamps.end(), [&](const Lamp& lamp) {
+            return lamp.by_surface && may_be_seen(lamp, path.seen.at.p, way.wi);
+        });
+    }
+
+    /// What the way carries. false: nothing.
+    bool weigh(const EyePath& path, Way& way) const
+    {
+        way.weight = path.weight * ratio(response(path.seen, way.local), way.pdf);
+        if (is_black(way.weight)) { return false; }
+        way.ray = ray_toward(path.seen, way.wi, infinite);
         return true;
     }
 
@@ -70,7 +110,7 @@ class Follower {
     void look_along(const EyePath& path, const Way& way, const Hit* hit)
     {
         for (const Lamp& lamp : world_.lamps) {
-            if (!lamp.by_surface) { continue; }
+            if (!lamp.by_surface || !may_be_seen(lamp, path.seen.at.p, way.wi)) { continue; }
             const LightShape& shape = lamp.light->shape;
             const auto* faces = std::get_if<MeshLight>(&shape);
             const LightSample there =
@@ -120,14 +160,41 @@ class Follower {
             path.weight * response(seen, seen.at.frame.to_local(arrival.wi)) * E_perp);
     }
 
-    void ask_sampled(const EyePath& path, const Lamp& lamp)
+    struct Draw {
+        Sample2 s;
+        double pick;  ///< of a part, where there are parts
+    };
+    Draw draw_for(const EyePath& path, const Lamp& lamp) const
     {
-        const Seen& seen = path.seen;
         const std::uint32_t pair =
             first_pair_ + first_light + 2 * static_cast<std::uint32_t>(lamp.number);
-        const LightSample there =
-            sample(lamp.light->shape, seen.at.p, path.sequence.at(path.point, pair),
-                   path.sequence.at(path.point, pair + 1).u);
+        return {path.sequence.at(path.point, pair),
+                lamp.in_parts ? path.sequence.at(path.point, pair + 1).u : 0.0};
+    }
+
+    void ask_rect(std::span<const EyePath> paths, const Lamp& lamp, const RectLight& rect)
+    {
+        constexpr std::size_t most = 64;  // together: some kilobytes
+        std::array<Point3, most> places;
+        std::array<RectDirections, most> rects;
+        for (; !paths.empty(); paths = paths.subspan(std::min(most, paths.size()))) {
+            const auto some = paths.first(std::min(most, paths.size()));
+            std::transform(some.begin(), some.end(), places.begin(),
+                           [](const EyePath& path) { return path.seen.at.p; });
+            directions(rect, {places.data(), some.size()}, {rects.data(), some.size()});
+            for (std::size_t i = 0; i < some.size(); ++i) {
+                const RectDirections& seen = rects[i];
+                if (seen.whole == 0.0) { continue; }
+                const Sample2 s = draw_for(some[i], lamp).s;
+                ask_sampled(some[i], lamp,
+                            seen.is_seen() ? seen.sample_direction(s) : sample(rect, places[i], s));
+            }
+        }
+    }
+
+    void ask_sampled(const EyePath& path, const Lamp& lamp, const LightSample& there)
+    {
+        const Seen& seen = path.seen;
         if (!there.wi || !is_above(seen, there.wi)) { return; }
         const Vec3 wi = seen.at.frame.to_local(there.wi);
         const double by_surface =
@@ -147,15 +214,30 @@ class Follower {
 
 }  // namespace
 
+bool may_be_seen(const Lamp& lamp, Point3 p, Dir3 wi)
+{
+    const Vec3 to_centre = lamp.centre - p;
+    const double along = dot(to_centre, wi), d2 = dot(to_centre, to_centre);
+    constexpr double slack = 1e-12;  // some thousand roundings
+    const double r2 = lamp.radius * lamp.radius * (1.0 + slack) + slack * d2;
+    return d2 <= r2 || (along > 0.0 && d2 - along * along <= r2);
+}
+
 World world_of(const Stage& stage, const Scene& scene)
 {
     World world{stage, scene, {}};
     for (std::size_t l = 0; l < scene.lights.size(); ++l) {
         const Light& light = scene.lights[l];
         if (!light.enabled) { continue; }
-        Lamp lamp{&light, l, is_delta(light.shape), scene.transport.shadows && light.cast_shadows};
+        Lamp lamp;
+        lamp.light = &light;
+        lamp.number = l;
+        lamp.delta = is_delta(light.shape);
+        lamp.shadowed = scene.transport.shadows && light.cast_shadows;
+        std::tie(lamp.centre, lamp.radius) = ball_around(light.shape);
         const auto* sky = std::get_if<EnvironmentLight>(&light.shape);
         const bool is_face = std::holds_alternative<MeshLight>(light.shape);
+        lamp.in_parts = is_face || std::holds_alternative<SkyLight>(light.shape);
         // A sky of one colour has nothing to aim at.
         lamp.by_light = !lamp.delta && (sky == nullptr || sky->map);
         // A ray meets the nearest face; where something before a face may not count, that is not
@@ -179,16 +261,18 @@ void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)
     for (unsigned depth = 0; !paths.empty(); ++depth) {
         const bool last = depth == bounces;
         Follower follower(world, depth, queue);
+        follower.ask_lights(paths);
+        const bool meet = !last || world.any_faces;
         ways.clear();
-        for (std::size_t i = 0; i < paths.size(); ++i) {
-            follower.ask_lights(paths[i]);
+        for (std::size_t i = 0; i < paths.size() && (!last || world.any_by_surface); ++i) {
             Way way;
             way.path = i;
-            if ((!last || world.any_by_surface) && follower.choose_way(paths[i], way)) {
+            if (follower.choose_way(paths[i], way) &&
+                (meet || follower.may_lead_to_light(paths[i], way)) &&
+                follower.weigh(paths[i], way)) {
                 ways.push_back(way);
             }
         }
-        const bool meet = !last || world.any_faces;
         if (meet) {
             rays.clear();
             for (const Way& way : ways) {
@@ -204,9 +288,9 @@ void follow(const World& world, std::vector<EyePath> paths, RayQueue& queue)
             const EyePath& path = paths[ways[w].path];
             follower.look_along(path, ways[w], meet ? &hits[w] : nullptr);
             if (last || hits[w].primitive == ~0U) { continue; }
-            const auto seen = see(world.stage, world.scene, rays[w].origin, ways[w].wi, hits[w]);
+            auto seen = see(world.stage, world.scene, rays[w].origin, ways[w].wi, hits[w]);
             if (!seen) { continue; }
-            on.push_back({*seen, ways[w].weight, path.sums, path.sequence, path.point});
+            on.push_back({std::move(*seen), ways[w].weight, path.sums, path.sequence, path.point});
         }
         paths = std::move(on);
     }

@@ -17,7 +17,14 @@ struct Lamp {
     bool shadowed = false;
     bool by_light = false;    ///< directions are drawn toward it,
     bool by_surface = false;  ///< and it is looked for where the surface reflects to
+    bool in_parts = false;    ///< a random number picks the part that is drawn
+    /// A ball that holds it; infinite where it is everywhere, or faces of the mesh.
+    Point3 centre;
+    double radius = 0.0;
 };
+
+/// Whether a ray from p along wi comes near the light: never no where look() sees it.
+bool may_be_seen(const Lamp& lamp, Point3 p, Dir3 wi);
 
 /// The scene as paths see it.
 struct World {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/random.h"
+#include "core/base/sobol.h"
 
 namespace relight {
 
@@ -40,7 +40,7 @@ class PixelSamples {
 
     void move_to(std::uint64_t pixel)
     {
-        pixel_ = pixel;
+        key_ = sobol::mix(sobol::mix(0, seed_), pixel);
         shuffle(across_, 2);
         shuffle(down_, 3);
     }
@@ -50,9 +50,8 @@ class PixelSamples {
         const auto index = static_cast<std::uint64_t>(sample);
         const int x = sample % side_;
         const int y = sample / side_;
-        const double fine_x =
-            across_[static_cast<std::size_t>(y)] + uniform(seed_, pixel_, index, 0);
-        const double fine_y = down_[static_cast<std::size_t>(x)] + uniform(seed_, pixel_, index, 1);
+        const double fine_x = across_[static_cast<std::size_t>(y)] + number(index, 0);
+        const double fine_y = down_[static_cast<std::size_t>(x)] + number(index, 1);
         return {(x + fine_x / side_) / side_, (y + fine_y / side_) / side_};
     }
 
@@ -64,17 +63,24 @@ class PixelSamples {
     int row(int sample) const { return sample / side_; }
 
   private:
+    /// uniform(seed, pixel, sample, dimension), bit for bit.
+    double number(std::uint64_t sample, std::uint64_t dimension) const
+    {
+        return static_cast<double>(sobol::mix(sobol::mix(key_, sample), dimension) >> 11U) *
+               0x1p-53;
+    }
+
     void shuffle(std::vector<int>& order, std::uint64_t dimension) const
     {
         std::iota(order.begin(), order.end(), 0);
         for (std::size_t i = order.size(); i > 1; --i) {
-            const double u = uniform(seed_, pixel_, i, dimension);
+            const double u = number(i, dimension);
             std::swap(order[i - 1], order[static_cast<std::size_t>(u * static_cast<double>(i))]);
         }
     }
 
     int side_;
-    std::uint64_t seed_, pixel_ = 0;
+    std::uint64_t seed_, key_ = 0;    ///< key: of the pixel
     std::vector<int> across_, down_;  ///< which fine column each row takes, which row each column
     std::vector<int> shift_;          ///< of the replicates along each row
 };

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/shade/paths.h"
 #include "core/shade/pixel_samples.h"
@@ -14,12 +15,31 @@ namespace {
 // Paths times lights (and eight for the rest of a path's work) that are followed together.
 constexpr std::size_t most_work = 8192;
 
+/// through_pixel() of one camera and picture: what all pixels share is computed once.
+class PixelRays {
+  public:
+    PixelRays(const Camera& camera, int width, int height)
+    {
+        const CameraAxes a = axes(camera);
+        const double t = std::tan(0.5 * camera.fov_y);
+        across_ = Vec3(a.right) * (2.0 * t / height);
+        down_ = Vec3(a.up) * (-2.0 * t / height);
+        corner_ = Vec3(a.up) * t - Vec3(a.right) * (t * width / height) - Vec3(a.back);
+    }
+    Dir3 through(double x, double y) const { return normalize(corner_ + across_ * x + down_ * y); }
+
+  private:
+    Vec3 across_, down_;  // a pixel, on the plane at unit distance
+    Vec3 corner_;         // the top left
+};
+
 /// A picture in the making: all that its blocks share.
 struct Canvas {
     const World& world;
     const RaytraceOptions& options;
-    CameraAxes camera;
-    int side;  // of the grid of samples
+    PixelRays pixel_rays;
+    std::vector<LightView> lamps;  // of the world, from the eye
+    int side;                      // of the grid of samples
     Rendered& rendered;
 
     std::size_t lights() const { return world.scene.lights.size(); }
@@ -30,15 +50,35 @@ struct Canvas {
 
 /// One sample of a pixel on its way.
 struct CameraSample {
-    Rgb* sums;  // of its pixel and replicate, canvas.columns()
-    std::size_t pixel;
+    Rgb* sums;          // of its pixel and replicate, canvas.columns()
+    std::size_t pixel;  // of its tile
     Sequence sequence;
     std::uint32_t point;
 };
 
-/// Consecutive pixels and their samples.
+/// A square of the picture, cut off at its edges: what its rays meet lies together in memory.
+struct Tile {
+    std::size_t x = 0, y = 0, width = 0, height = 0;
+
+    std::size_t pixels() const { return width * height; }
+};
+
+/// How a picture is cut up: in squares of `side` pixels, row by row.
+struct Tiling {
+    std::size_t width, height, side;
+
+    std::size_t across() const { return (width + side - 1) / side; }
+    std::size_t count() const { return across() * ((height + side - 1) / side); }
+    Tile tile(std::size_t number) const
+    {
+        const std::size_t x = number % across() * side, y = number / across() * side;
+        return {x, y, std::min(side, width - x), std::min(side, height - y)};
+    }
+};
+
+/// The pixels of a tile and their samples.
 struct Block {
-    std::size_t begin = 0, end = 0;
+    Tile tile;
     std::vector<Rgb> sums;  // pixel x replicate x columns
     std::vector<std::size_t> hits;
     std::vector<Vec3> normals;
@@ -46,36 +86,32 @@ struct Block {
     std::vector<ShadowRay> rays;  // one a sample
 };
 
-Block aim(const Canvas& canvas, std::size_t begin, std::size_t end)
+Block aim(const Canvas& canvas, const Tile& tile)
 {
     const RaytraceOptions& options = canvas.options;
-    const Camera& camera = canvas.world.scene.camera;
-    const auto width = static_cast<std::size_t>(options.width);
-    Block block{begin, end, {}, {}, {}, {}, {}};
-    block.sums.resize((end - begin) * canvas.replicates() * canvas.columns());
-    block.hits.resize(end - begin);
-    block.normals.resize(end - begin);
-    block.samples.reserve((end - begin) * canvas.samples());
-    block.rays.reserve((end - begin) * canvas.samples());
+    const Point3 eye = canvas.world.scene.camera.eye;
+    Block block{tile, {}, {}, {}, {}, {}};
+    block.sums.resize(tile.pixels() * canvas.replicates() * canvas.columns());
+    block.hits.resize(tile.pixels());
+    block.normals.resize(tile.pixels());
+    block.samples.reserve(tile.pixels() * canvas.samples());
+    block.rays.reserve(tile.pixels() * canvas.samples());
     PixelSamples places(canvas.side, options.seed);
-    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+    for (std::size_t i = 0; i < tile.pixels(); ++i) {
+        const std::size_t x = tile.x + i % tile.width, y = tile.y + i / tile.width;
+        const std::size_t pixel = y * static_cast<std::size_t>(options.width) + x;
         places.move_to(pixel);
-        const std::size_t column = pixel % width;
-        const std::size_t row = pixel / width;
+        const auto column = static_cast<double>(x), row = static_cast<double>(y);
+        const Sequence sequence(options.seed, pixel, 0, 0);
         for (int s = 0; s < static_cast<int>(canvas.samples()); ++s) {
             const auto [dx, dy] = places.at(s);
             const auto replicate = static_cast<std::size_t>(places.replicate(s));
-            const Dir3 direction =
-                through_pixel(canvas.camera, camera.fov_y, options.width, options.height,
-                              static_cast<double>(column) + dx, static_cast<double>(row) + dy);
-            const std::size_t first =
-                ((pixel - begin) * canvas.replicates() + replicate) * canvas.columns();
-            block.samples.push_back(
-                {block.sums.data() + first, pixel,
-                 Sequence(options.seed, pixel, 0, static_cast<std::uint32_t>(replicate)),
-                 static_cast<std::uint32_t>(places.row(s))});
-            block.rays.push_back(
-                {camera.eye, direction, 0.0, std::numeric_limits<double>::infinity()});
+            const std::size_t first = (i * canvas.replicates() + replicate) * canvas.columns();
+            block.samples.push_back({block.sums.data() + first, i,
+                                     sequence.replicate(static_cast<std::uint32_t>(replicate)),
+                                     static_cast<std::uint32_t>(places.row(s))});
+            block.rays.push_back({eye, canvas.pixel_rays.through(column + dx, row + dy), 0.0,
+                                  std::numeric_limits<double>::infinity()});
         }
     }
     return block;
@@ -88,9 +124,11 @@ void see_lights(const Canvas& canvas, const ShadowRay& ray, const Hit& hit, Rgb*
     const World& world = canvas.world;
     const bool missed = hit.primitive == ~0U;
     const double margin = world.stage.bvh->clearance(0.0).offset;  // a light on a wall is before it
-    for (const Lamp& lamp : world.lamps) {
-        if (lamp.delta) { continue; }
-        const LightSample there = look(lamp.light->shape, ray.origin, ray.direction);
+    for (std::size_t l = 0; l < world.lamps.size(); ++l) {
+        const Lamp& lamp = world.lamps[l];
+        const bool is_hidden = !missed && std::isinf(lamp.radius);  // a sky
+        if (lamp.delta || is_hidden || !may_be_seen(lamp, ray.origin, ray.direction)) { continue; }
+        const LightSample there = look(canvas.lamps[l], ray.direction);
         if (!there.wi) { continue; }
         const bool seen = std::isfinite(there.distance)
                               ? missed || there.distance <= hit.distance + margin
@@ -116,12 +154,13 @@ void trace_block(const Canvas& canvas, Block& block, RayQueue& queue)
         const CameraSample& sample = block.samples[i];
         see_lights(canvas, ray, hits[i], sample.sums);
         if (hits[i].primitive == ~0U) { continue; }
-        ++block.hits[sample.pixel - block.begin];
-        const auto seen = see(world.stage, world.scene, ray.origin, ray.direction, hits[i]);
+        ++block.hits[sample.pixel];
+        auto seen = see(world.stage, world.scene, ray.origin, ray.direction, hits[i]);
         if (!seen) { continue; }
-        block.normals[sample.pixel - block.begin] += seen->at.frame.n;
+        block.normals[sample.pixel] += seen->at.frame.n;
         if (seen->front) { sample.sums[canvas.lights()] += emission(*seen->material, seen->wo.z); }
-        paths.push_back({*seen, Rgb::grey(1.0), sample.sums, sample.sequence, sample.point});
+        paths.push_back(
+            {std::move(*seen), Rgb::grey(1.0), sample.sums, sample.sequence, sample.point});
     }
     follow(world, std::move(paths), queue);
 }
@@ -149,8 +188,11 @@ void settle(const Canvas& canvas, const Block& block)
     Rendered& to = canvas.rendered;
     const auto samples = static_cast<double>(canvas.samples());
     std::vector<Rgb> replicates(canvas.replicates());
-    for (std::size_t pixel = block.begin; pixel < block.end; ++pixel) {
-        const std::size_t i = pixel - block.begin;
+    const Tile& tile = block.tile;
+    for (std::size_t i = 0; i < tile.pixels(); ++i) {
+        const std::size_t pixel =
+            (tile.y + i / tile.width) * static_cast<std::size_t>(to.image.width) + tile.x +
+            i % tile.width;
         const Rgb* sums = block.sums.data() + i * canvas.replicates() * canvas.columns();
         const auto at = [&](std::size_t r, std::size_t column) {
             return sums[r * canvas.columns() + column];
@@ -188,8 +230,16 @@ Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions&
         static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height);
     const World world = world_of(stage, scene);
     Rendered rendered;
-    const Canvas canvas{world, options, axes(scene.camera),
-                        static_cast<int>(std::ceil(std::sqrt(options.samples))), rendered};
+    std::vector<LightView> lamps;
+    for (const Lamp& lamp : world.lamps) {
+        lamps.push_back(view(lamp.light->shape, scene.camera.eye));
+    }
+    const Canvas canvas{world,
+                        options,
+                        PixelRays(scene.camera, options.width, options.height),
+                        std::move(lamps),
+                        static_cast<int>(std::ceil(std::sqrt(options.samples))),
+                        rendered};
     rendered.image.width = options.width;
     rendered.image.height = options.height;
     rendered.image.pixels.resize(pixels);
@@ -201,15 +251,19 @@ Rendered raytrace(const Stage& stage, const Scene& scene, const RaytraceOptions&
     if (options.normal) { rendered.normal.resize(pixels); }
     const std::size_t work = canvas.samples() * (canvas.lights() + 8);
     std::atomic<std::uint64_t> rays{0};
+    const std::size_t together = std::max<std::size_t>(1, most_work / work);  // pixels
+    const Tiling tiling{static_cast<std::size_t>(options.width),
+                        static_cast<std::size_t>(options.height),
+                        static_cast<std::size_t>(std::sqrt(static_cast<double>(together)))};
     progress.expect(pixels);
-    parallel_for(pixels, std::max<std::size_t>(1, most_work / work), options.threads, progress,
-                 [&](std::size_t begin, std::size_t end) {
-                     Block block = aim(canvas, begin, end);
+    parallel_for(tiling.count(), 1, options.threads, progress,
+                 [&](std::size_t number, std::size_t /*end*/) {
+                     Block block = aim(canvas, tiling.tile(number));
                      RayQueue queue(*stage.bvh);
                      trace_block(canvas, block, queue);
                      settle(canvas, block);
                      rays += queue.traced();
-                     progress.advance(end - begin);
+                     progress.advance(block.tile.pixels());
                  });
     rendered.rays = rays;
     return rendered;

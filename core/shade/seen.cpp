@@ -28,6 +28,7 @@ Point3 onto_tangent_planes(Point3 p, const std::array<Point3, 3>& corner,
 /// z is n, x as near to `along` as can be; without that, frame_around(n).
 Frame frame_along(Dir3 n, Vec3 along)
 {
+    if (along == Vec3{}) { return frame_around(n); }
     const Dir3 x = normalize(along - Vec3(n) * dot(along, n));
     if (!x) { return frame_around(n); }
     return {x, normalize(cross(n, x)), n};
@@ -114,7 +115,8 @@ std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, D
     }
     seen.wo = at.frame.to_local(wo);
     seen.material = material_at(stage, scene, hit);
-    seen.color = hit.is_point ? splat.color : color_at(stage, hit);
+    const bool is_white = stage.mesh->colors.empty() && stage.mesh->maps.empty();
+    seen.color = hit.is_point ? splat.color : is_white ? Rgb::grey(1.0) : color_at(stage, hit);
     return seen;
 }
 

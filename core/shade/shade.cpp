@@ -58,6 +58,7 @@ VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, c
         const kernel::PreparedMaterial prepared(*material);
         shining.fill(block, *material, prepared.reflector, 0, 1);
         radiance.own = row(block.L);
+        block.dark = 0;
         for (std::size_t s = 0; s < shining.shares().size(); ++s) {
             for (auto& band : block.L) { band[0] = 0.0; }
             kernel::shine(block,
@@ -74,7 +75,7 @@ VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, c
 
 namespace {
 
-float* rows_of(std::vector<Rgbf>& values)
+float* rows_of(UnsetVector<Rgbf>& values)
 {
     return values.empty() ? nullptr : values.data()->data();
 }
@@ -101,7 +102,7 @@ std::vector<kernel::Summand> summands(const Transport& transport, const Scene& s
     return lights;
 }
 
-/// Room for what is asked for.
+/// Room for what is asked for, in which only lights without a column have their 0.
 Shaded sized(const Transport& transport, const ShadeOptions& options, std::size_t vertices)
 {
     Shaded shaded;
@@ -109,7 +110,10 @@ Shaded sized(const Transport& transport, const ShadeOptions& options, std::size_
     shaded.radiance.resize(options.radiance ? vertices : 0);
     shaded.standard_error.resize(options.standard_error ? vertices : 0);
     shaded.per_light.resize(options.per_light ? transport.columns.size() : 0);
-    for (auto& one : shaded.per_light) { one.resize(vertices); }
+    for (std::size_t l = 0; l < shaded.per_light.size(); ++l) {
+        transport.columns[l] != nullptr ? shaded.per_light[l].resize(vertices)
+                                        : shaded.per_light[l].resize(vertices, Rgbf{});
+    }
     return shaded;
 }
 
@@ -176,6 +180,7 @@ Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
                          begin = next;
                      }
                  });
+    if (progress.stopped()) { return {}; }
     return shaded;
 }
 

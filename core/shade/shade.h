@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/unset.h"
 #include "core/transport/receiver.h"
 #include "core/transport/transport.h"
 
@@ -10,10 +11,10 @@ namespace relight {
 
 /// Per-vertex answers, linear, in the scene's units.
 struct Shaded {
-    std::vector<Rgbf> irradiance;      ///< V: E [W/m^2] or [lx], albedo-free, one-sided front face
-    std::vector<Rgbf> radiance;        ///< V: Lo [W/(m^2 sr)] or [cd/m^2] toward the view
-    std::vector<Rgbf> standard_error;  ///< V: of E; empty unless asked for
-    std::vector<std::vector<Rgbf>> per_light;  ///< a light: V of E; empty unless asked for
+    UnsetVector<Rgbf> irradiance;      ///< V: E [W/m^2] or [lx], albedo-free, one-sided front face
+    UnsetVector<Rgbf> radiance;        ///< V: Lo [W/(m^2 sr)] or [cd/m^2] toward the view
+    UnsetVector<Rgbf> standard_error;  ///< V: of E; empty unless asked for
+    std::vector<UnsetVector<Rgbf>> per_light;  ///< a light: V of E; empty unless asked for
 };
 
 struct ShadeOptions {
@@ -40,6 +41,7 @@ VertexRadiance vertex_radiance(const Stage& stage, const Transport& transport, c
 
 /// columns x powers x material -> E and Lo. Sums run over the lights in their order, in double; f
 /// of materials that are not Lambertian under delta lights is a float, by the kernels (kernels.h).
+/// Empty if `progress` was stopped.
 Shaded shade(const Stage& stage, const Transport& transport, const Scene& scene,
              const ShadeOptions& options, Progress& progress);
 

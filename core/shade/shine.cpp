@@ -41,22 +41,22 @@ HWY_INLINE Double half(Float x)
     return hn::PromoteTo(d, hn::LowerHalf(Halves(), x));
 }
 
-template <Model model, bool anisotropic>
+template <Made made>
 HWY_INLINE At rounded(const Facing& low, const Facing& high, Float co)
 {
     At a;
     a.ci = joined(low.ci, high.ci);
     a.co = co;
-    if constexpr (model == Model::Lambert) { return a; }
-    if constexpr (model == Model::OrenNayar) {
+    if constexpr (made == Made::OfCosines) { return a; }
+    if constexpr (made == Made::OfAlong) {
         a.along = joined(low.along, high.along);
         return a;
     }
-    a.h2 = joined(low.h2, high.h2);
-    a.hxy2 = hn::Max(joined(low.hxy2, high.hxy2), all(0.0F));
     a.hz = a.ci + co;
+    a.hxy2 = hn::Max(joined(low.hxy2, high.hxy2), all(0.0F));
+    a.h2 = hn::MulAdd(a.hz, a.hz, a.hxy2);
     a.cos_d = all(0.5F) * hn::Sqrt(a.h2);
-    if constexpr (anisotropic) {
+    if constexpr (made == Made::OfAxes) {
         a.x = joined(low.x, high.x);
         a.y = joined(low.y, high.y);
         a.h_x = joined(low.h_x, high.h_x);
@@ -87,73 +87,151 @@ HWY_INLINE Vector share(const Share& light, Bands f, Range at)
     return light.Lo != nullptr ? drawn() + reflected : reflected;
 }
 
-template <bool anisotropic>
+template <bool on_axes>
 HWY_INLINE Seen look_at(const Task& task, const Block& block, Range at)
 {
     Seen s = look(*task.view, at);
-    s.L = load(block.L, at.i);
-    if constexpr (anisotropic) { add_axes(s, block, task, at); }
+    if constexpr (on_axes) { add_axes(s, block, task, at); }
     return s;
 }
 
-constexpr std::size_t together = 4;  // lights; their parts stay in the nearest cache
+constexpr std::size_t lights_together = 4;
+constexpr std::size_t vectors_together = 4;
 
-/// As many vertices as a vector of floats has, from `low_at` on.
-template <Model model, bool anisotropic>
-HWY_INLINE void shine_at(const Task& task, Block& block, Range low_at)
+/// Vertices and lights that are taken together: one step for all of them, then the next. While the
+/// roots and quotients of one are on their way, the processor is at others; what steps hand on
+/// stays in the nearest cache.
+struct Work {
+    std::size_t count;  // vectors of floats
+    std::span<const Share> lights;
+    Range at[vectors_together];
+    Seen low[vectors_together], high[vectors_together];  // halves of each
+    Vector L_low[vectors_together], L_high[vectors_together];
+    Outgoing outgoing[vectors_together];
+    At arriving[lights_together][vectors_together];
+    Bands f[lights_together][vectors_together];
+};
+
+HWY_INLINE Range high_of(Range low)
 {
     const std::size_t lanes = has_high ? hn::Lanes(Doubles()) : 0;
-    const Range high_at{low_at.i + lanes, low_at.v + lanes,
-                        has_high && low_at.left > lanes ? low_at.left - lanes : 0};
-    Seen low = look_at<anisotropic>(task, block, low_at);
-    Seen high = look_at<anisotropic>(task, block, high_at);
-    const Vector rho_low = load(block.rho, low_at.i), rho_high = load(block.rho, high_at.i);
-    Outgoing o{};
-    o.co = joined(low.cos_o, high.cos_o);
-    o.base = {joined(rho_low.x, rho_high.x), joined(rho_low.y, rho_high.y),
-              joined(rho_low.z, rho_high.z)};
-    if constexpr (anisotropic) {
-        o.x = joined(dot(low.wo, low.x), dot(high.wo, high.x));
-        o.y = joined(dot(low.wo, low.y), dot(high.wo, high.y));
-    }
-    keep_aside<model, anisotropic>(*task.reflector, o);
-    // A step for several lights, then the next: while one light's roots and quotients are on their
-    // way, the processor is at another's.
-    for (std::size_t first = 0; first < task.lights.size(); first += together) {
-        const auto lights =
-            task.lights.subspan(first, std::min(together, task.lights.size() - first));
-        At faced[together];
-        Bands f[together];
-        for (std::size_t l = 0; l < lights.size(); ++l) {
-            if (lights[l].E == nullptr) { continue; }
-            faced[l] = rounded<model, anisotropic>(
-                face<model, anisotropic>(low, lights[l].source, task.both_sides),
-                face<model, anisotropic>(high, lights[l].source, task.both_sides), o.co);
-        }
-        for (std::size_t l = 0; l < lights.size(); ++l) {
-            if (lights[l].E == nullptr) { continue; }
-            f[l] = above(faced[l], f_of<model, anisotropic>(*task.reflector, o, faced[l]));
-        }
-        for (std::size_t l = 0; l < lights.size(); ++l) {
-            low.L = low.L + share<false>(lights[l], f[l], low_at);
-            high.L = high.L + share<true>(lights[l], f[l], high_at);
+    return {low.i + lanes, low.v + lanes, has_high && low.left > lanes ? low.left - lanes : 0};
+}
+
+template <bool on_axes>
+HWY_NOINLINE void look_around(const Task& task, const Block& block, Work& w)
+{
+    for (std::size_t k = 0; k < w.count; ++k) {
+        const Range low_at = w.at[k], high_at = high_of(low_at);
+        w.low[k] = look_at<on_axes>(task, block, low_at);
+        w.high[k] = look_at<on_axes>(task, block, high_at);
+        w.L_low[k] = load(block.L, low_at.i);
+        w.L_high[k] = load(block.L, high_at.i);
+        const Vector rho_low = load(block.rho, low_at.i), rho_high = load(block.rho, high_at.i);
+        Outgoing& o = w.outgoing[k];
+        o.co = joined(w.low[k].cos_o, w.high[k].cos_o);
+        o.base = {joined(rho_low.x, rho_high.x), joined(rho_low.y, rho_high.y),
+                  joined(rho_low.z, rho_high.z)};
+        if constexpr (on_axes) {
+            o.x = joined(w.low[k].wo_x, w.high[k].wo_x);
+            o.y = joined(w.low[k].wo_y, w.high[k].wo_y);
         }
     }
-    if (task.radiance == nullptr) {
-        store(low.L, block.L, low_at.i);
-        if constexpr (has_high) { store(high.L, block.L, high_at.i); }
-        return;
+}
+
+template <Model model, bool anisotropic>
+HWY_NOINLINE void leave(const Reflector& m, Work& w)
+{
+    for (std::size_t k = 0; k < w.count; ++k) { keep_aside<model, anisotropic>(m, w.outgoing[k]); }
+}
+
+template <Made made>
+HWY_NOINLINE void arrive(bool both_sides, Work& w)
+{
+    for (std::size_t l = 0; l < w.lights.size(); ++l) {
+        if (w.lights[l].E == nullptr) { continue; }
+        const Source source = w.lights[l].source;
+        for (std::size_t k = 0; k < w.count; ++k) {
+            w.arriving[l][k] =
+                rounded<made>(face<made>(w.low[k], source, both_sides),
+                              face<made>(w.high[k], source, both_sides), w.outgoing[k].co);
+        }
     }
-    write_rows(low.L, task.radiance + 3 * low_at.v, low_at.left);
-    write_rows(high.L, task.radiance + 3 * high_at.v, high_at.left);
+}
+
+template <Model model, bool anisotropic>
+HWY_NOINLINE void reflect(const Reflector& m, Work& w)
+{
+    for (std::size_t l = 0; l < w.lights.size(); ++l) {
+        if (w.lights[l].E == nullptr) { continue; }
+        for (std::size_t k = 0; k < w.count; ++k) {
+            const At& a = w.arriving[l][k];
+            w.f[l][k] = above(a, f_of<model, anisotropic>(m, w.outgoing[k], a));
+        }
+    }
+}
+
+template <bool is_high>
+HWY_INLINE Vector sum(const Work& w, std::size_t k, Range at, Vector L)
+{
+    for (std::size_t l = 0; l < w.lights.size(); ++l) {
+        L = L + share<is_high>(w.lights[l], w.f[l][k], at);
+    }
+    return L;
+}
+
+HWY_NOINLINE void add_lights(Work& w)
+{
+    for (std::size_t k = 0; k < w.count; ++k) {
+        w.L_low[k] = sum<false>(w, k, w.at[k], w.L_low[k]);
+        if constexpr (has_high) { w.L_high[k] = sum<true>(w, k, high_of(w.at[k]), w.L_high[k]); }
+    }
+}
+
+HWY_NOINLINE void write(const Work& w, Block& block, float* radiance)
+{
+    const auto write_half = [&](Vector L, Range at) {
+        radiance == nullptr ? store(L, block.L, at.i) : write_rows(L, radiance + 3 * at.v, at.left);
+    };
+    for (std::size_t k = 0; k < w.count; ++k) {
+        write_half(w.L_low[k], w.at[k]);
+        if constexpr (has_high) { write_half(w.L_high[k], high_of(w.at[k])); }
+    }
+}
+
+/// The steps that are a model's own.
+struct Steps {
+    void (*leave)(const Reflector& m, Work& w);
+    void (*reflect)(const Reflector& m, Work& w);
+};
+
+template <Made made>
+HWY_NOINLINE void shine_made(const Task& task, Block& block, std::size_t begin, std::size_t count,
+                             const Steps& steps)
+{
+    Work w;
+    for (std::size_t i = 0; i < count;) {
+        for (w.count = 0; w.count < vectors_together && i < count; i += hn::Lanes(Floats())) {
+            w.at[w.count++] = {i, begin + i, count - i};
+        }
+        look_around<made == Made::OfAxes>(task, block, w);
+        steps.leave(*task.reflector, w);
+        for (std::size_t first = 0; first < task.lights.size(); first += lights_together) {
+            const std::size_t left = task.lights.size() - first;
+            w.lights = task.lights.subspan(first, std::min(left, lights_together));
+            arrive<made>(task.both_sides, w);
+            steps.reflect(*task.reflector, w);
+            add_lights(w);
+        }
+        write(w, block, task.radiance);
+    }
 }
 
 template <Model model, bool anisotropic>
 void shine_as(const Task& task, Block& block, std::size_t begin, std::size_t count)
 {
-    for (std::size_t i = 0; i < count; i += hn::Lanes(Floats())) {
-        shine_at<model, anisotropic>(task, block, {i, begin + i, count - i});
-    }
+    shine_made<made<model, anisotropic>>(
+        task, block, begin, count, {&leave<model, anisotropic>, &reflect<model, anisotropic>});
 }
 
 template <Model model>

@@ -117,7 +117,16 @@ void Shining::fill_rho(Block& block, const Material& material, std::size_t begin
                        std::size_t count) const
 {
     const Base base = std::visit(BaseOf{}, material);
-    if (!base.from_vertex) { return fill_all(block.rho, count, vec(base.color)); }
+    if (!base.from_vertex) {
+        const auto is_there = [&] {
+            return Rgb{block.rho[0][0], block.rho[1][0], block.rho[2][0]} == base.color;
+        };
+        if (count <= block.of_one_rho && is_there()) { return; }
+        fill_all(block.rho, count, vec(base.color));
+        block.of_one_rho = count;
+        return;
+    }
+    block.of_one_rho = 0;
     for (std::size_t i = 0; i < count; ++i) {
         set(block.rho, i, vec(vertex_color(stage_, first_ + begin + i)));
     }
@@ -127,8 +136,10 @@ void Shining::fill(Block& block, const Material& material, const kernel::Reflect
                    std::size_t begin, std::size_t count) const
 {
     fill_rho(block, material, begin, count);
-    fill_all(block.L, count, {});
+    if (count > block.dark) { fill_all(block.L, count, {}); }
+    block.dark = std::max(block.dark, count);
     if (emission(material) != Rgb{}) {
+        block.dark = 0;
         for (std::size_t i = 0; i < count; ++i) {
             set(block.L, i, vec(own(material, first_ + begin + i)));
         }

@@ -72,6 +72,11 @@ HWY_INLINE Vector plus(Vector a, Vector b, Double s)
 {
     return {hn::MulAdd(b.x, s, a.x), hn::MulAdd(b.y, s, a.y), hn::MulAdd(b.z, s, a.z)};
 }
+/// a - b s
+HWY_INLINE Vector minus(Vector a, Vector b, Double s)
+{
+    return {hn::NegMulAdd(b.x, s, a.x), hn::NegMulAdd(b.y, s, a.y), hn::NegMulAdd(b.z, s, a.z)};
+}
 
 /// x^(-1/2), to some 1e-15 of it, with neither root nor quotient: a first guess is mended by the
 /// series of (1 - e)^(-1/2), e = 1 - x y^2. The guess is the processor's, within 2^-14, or comes of
@@ -99,12 +104,13 @@ HWY_INLINE Double inverse_root(Double x)
 
 template <std::size_t bands, class T>
 struct Rows {
-    HWY_ALIGN T tail[bands * hn::MaxLanes(Doubles())] = {};
+    HWY_ALIGN T tail[bands * hn::MaxLanes(Doubles())];  // as it is, unless it is needed
     const T* from;
 
     HWY_INLINE Rows(const T* rows, std::size_t left) : from(rows)
     {
         if (left >= hn::Lanes(Doubles())) { return; }
+        std::memset(tail, 0, sizeof(tail));
         std::memcpy(tail, rows, left * bands * sizeof(T));
         from = tail;
     }

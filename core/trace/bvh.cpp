@@ -4,18 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <optional>
-#include <tuple>
 #include <vector>
 
-#include "core/trace/extent.h"
-#include "core/trace/occluders.h"
+#include "core/trace/bvh_impl.h"
 #include "core/trace/shadow_stream.h"
-#include "core/trace/tree.h"
 
 namespace relight {
 namespace {
@@ -28,27 +23,6 @@ constexpr double offset_per_quantum = 4.0;  // roughness of coordinates that wer
 
 // A disc of a cloud must not shadow its own neighbourhood, which its neighbours overlap.
 constexpr double radii_ignored = 2.0;
-
-// Things on a ray that lie this close together [box] are told apart in double.
-constexpr float apart = 1e-6F;
-
-constexpr std::size_t most_hits = 256;  // looked for together
-
-RTCRay embree_ray(const BoxRay& ray, unsigned id)
-{
-    RTCRay r{};
-    r.org_x = ray.org_x;
-    r.org_y = ray.org_y;
-    r.org_z = ray.org_z;
-    r.tnear = ray.tnear;
-    r.dir_x = ray.dir_x;
-    r.dir_y = ray.dir_y;
-    r.dir_z = ray.dir_z;
-    r.tfar = ray.tfar;
-    r.mask = ~0U;
-    r.id = id;
-    return r;
-}
 
 /// What Embree asks of each ray of a stream beside what RayFields hold. It writes none of it.
 struct SameForAll {
@@ -80,161 +54,91 @@ RTCRayNp embree_rays(RayFields& f)
     return rays;
 }
 
-}  // namespace
-
-struct Bvh::Impl {
-    RTCScene scene() const { return tree.get(); }
-
-    std::shared_ptr<const Occluders> shared;
-    const Occluders& occluders = *shared;
-    TreeQuality quality;
-    RayPattern pattern;
-    Tree tree;
-    Extent extent;  // of all that casts shadows, around the box's centre
-
-    /// What Embree hands to confirm(): the rays asked for; an RTCRay's id is its place among them.
-    struct Query : RTCIntersectContext {
-        explicit Query(const Impl& b) : bvh(&b)
-        {
-            rtcInitIntersectContext(this);
-            flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-            filter = confirm;
-        }
-        ExactRay asked(unsigned ray) const
-        {
-            if (fields == nullptr) {
-                const ShadowRay& r = rays[ray];
-                return {r.origin, r.direction, r.from, r.distance};
-            }
-            const RayFields& f = *fields;
-            return {{f.origin_x[ray], f.origin_y[ray], f.origin_z[ray]},
-                    {f.direction_x[ray], f.direction_y[ray], f.direction_z[ray]},
-                    f.from[ray],
-                    f.distance[ray]};
-        }
-        const Impl* bvh;
-        const RayFields* fields = nullptr;  // where they are, or:
-        std::span<const ShadowRay> rays;
-        /// Told of all that a ray meets, which goes on then. None: the first hit will do.
-        std::function<void(std::uint32_t ray, std::uint32_t primitive)> notes;
-    };
-
-    Impl(std::shared_ptr<const Occluders> o, TreeQuality q, RayPattern p)
-        : shared(std::move(o)), quality(q), pattern(p)
+/// What Embree hands to its filter: the rays asked for; an RTCRay's id is its place among them.
+struct Query : RTCIntersectContext {
+    explicit Query(const Occluders& o) : occluders(o)
     {
+        rtcInitIntersectContext(this);
+        flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+        filter = confirm;
+    }
+    ExactRay asked(unsigned ray) const
+    {
+        if (fields == nullptr) {
+            const ShadowRay& r = rays[ray];
+            return {r.origin, r.direction, r.from, r.distance};
+        }
+        const RayFields& f = *fields;
+        return {{f.origin_x[ray], f.origin_y[ray], f.origin_z[ray]},
+                {f.direction_x[ray], f.direction_y[ray], f.direction_z[ray]},
+                f.from[ray],
+                f.distance[ray]};
     }
 
-    /// Embree's filter: asked about each hit it finds. Strikes out those that are none in double,
-    /// where float's word is not enough, and all of a query that takes notes.
+    /// Asked about each hit that Embree finds. Strikes out those that are none in double, where
+    /// float's word is not enough, and all of a query that takes notes.
     static void confirm(const RTCFilterFunctionNArguments* args)
     {
-        const auto& query = *static_cast<const Query*>(args->context);
         for (unsigned i = 0; i < args->N; ++i) {
-            if (args->valid[i] == 0) { continue; }
-            const unsigned ray = RTCRayN_id(args->ray, args->N, i);
-            const unsigned primitive = RTCHitN_primID(args->hit, args->N, i);
-            const Vec3 normal{RTCHitN_Ng_x(args->hit, args->N, i),
-                              RTCHitN_Ng_y(args->hit, args->N, i),
-                              RTCHitN_Ng_z(args->hit, args->N, i)};
-            const double t = RTCRayN_tfar(args->ray, args->N, i) - UnitBox::step_back;
-            const bool met = query.bvh->occluders.is_met(query.asked(ray), t, normal, primitive);
-            if (met && query.notes) { query.notes(ray, primitive); }
-            if (!met || query.notes) { args->valid[i] = 0; }
+            if (args->valid[i] != 0 && !is_kept(args, i)) { args->valid[i] = 0; }
         }
     }
-
-    /// The ray begun beside the model, where floats are finest. None: it passes the model by.
-    std::optional<ShadowRay> brought_near(const ShadowRay& r) const
+    static bool is_kept(const RTCFilterFunctionNArguments* args, unsigned i)
     {
-        const UnitBox& box = occluders.box;
-        const double step =
-            std::max(0.0, dot(box.centre - r.origin, r.direction) - 2.0 / box.scale);
-        const Point3 start = r.origin + Vec3(r.direction) * step;
-        if (!(length(box.to_box(start)) < 8.0) || !(r.distance > step)) { return {}; }
-        return ShadowRay{start, r.direction, std::max(0.0, r.from - step), r.distance - step};
-    }
-
-    Hit hit(std::uint32_t primitive) const
-    {
-        Hit hit;
-        hit.is_point = occluders.is_cloud();
-        hit.primitive = hit.is_point ? occluders.point(primitive) : primitive;
-        return hit;
-    }
-
-    /// What lies first of all that rays `asked` meet close to where floats `found` something.
-    template <std::size_t most>
-    void tell_apart(std::span<const ShadowRay> near, std::span<const ShadowRay* const> asked,
-                    std::span<const RTCRayHit> found, std::span<std::optional<Hit>> first) const
-    {
-        std::array<bool, most> inside{};
-        Query query(*this);
-        query.rays = near;
-        query.notes = [&](std::uint32_t k, std::uint32_t primitive) {
-            const auto met = occluders.meeting(asked[k]->origin, asked[k]->direction, primitive);
-            if (!met) { return; }
-            Hit other = hit(primitive);
-            other.distance = met->t;
-            other.u = met->u;
-            other.v = met->v;
-            const auto rank = [](bool is_inside, const Hit& h) {
-                return std::tuple(!is_inside, h.distance, h.primitive);
-            };
-            if (!first[k] || rank(met->inside, other) < rank(inside[k], *first[k])) {
-                first[k] = other;
-                inside[k] = met->inside;
+        const auto& query = *static_cast<const Query*>(args->context);
+        const unsigned ray = RTCRayN_id(args->ray, args->N, i);
+        const Vec3 normal{RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+                          RTCHitN_Ng_z(args->hit, args->N, i)};
+        const double t = RTCRayN_tfar(args->ray, args->N, i) - UnitBox::step_back;
+        if (query.fields != nullptr) {
+            // As it was given to Embree, which has that at hand; doubles are out of the cache.
+            const Vec3 direction{RTCRayN_dir_x(args->ray, args->N, i),
+                                 RTCRayN_dir_y(args->ray, args->N, i),
+                                 RTCRayN_dir_z(args->ray, args->N, i)};
+            const double after = t - RTCRayN_tnear(args->ray, args->N, i);
+            const double before = query.fields->tfar[ray] - 2.0 * UnitBox::step_back - t;
+            if (Occluders::is_plainly_met(std::min(after, before), direction, normal)) {
+                return true;
             }
-        };
-        for (std::size_t k = 0; k < found.size(); ++k) {
-            if (found[k].hit.geomID == RTC_INVALID_GEOMETRY_ID) { continue; }
-            RTCRay ray = embree_ray(occluders.box.ray(near[k]), static_cast<unsigned>(k));
-            ray.tnear = std::max(ray.tnear, found[k].ray.tfar - apart);
-            ray.tfar = std::min(ray.tfar, found[k].ray.tfar + apart);
-            rtcOccluded1(scene(), &query, &ray);
         }
+        const unsigned primitive = RTCHitN_primID(args->hit, args->N, i);
+        const bool met = query.occluders.is_met(query.asked(ray), t, normal, primitive);
+        if (met && query.notes) { query.notes(primitive); }
+        return met && !query.notes;
     }
 
-    /// One stream of at most `most` rays.
-    template <std::size_t most>
-    void nearest(std::span<const ShadowRay> rays, std::span<Hit> hits) const
-    {
-        std::array<ShadowRay, most> near;          // those that come near the model
-        std::array<const ShadowRay*, most> asked;  // of those, and what follows too; filled below
-        std::array<RTCRayHit, most> found;
-        std::size_t count = 0;
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            hits[i] = {};
-            hits[i].primitive = ~0U;
-            const auto begun = brought_near(rays[i]);
-            if (!begun) { continue; }
-            near[count] = *begun;
-            found[count].ray = embree_ray(occluders.box.ray(*begun), static_cast<unsigned>(count));
-            found[count].hit.geomID = RTC_INVALID_GEOMETRY_ID;
-            asked[count++] = &rays[i];
-        }
-        Query query(*this);
-        query.rays = near;
-        for (std::size_t k = 0; k < count; ++k) { rtcIntersect1(scene(), &query, &found[k]); }
-        std::array<std::optional<Hit>, most> first;
-        tell_apart<most>({near.data(), count}, {asked.data(), count}, {found.data(), count}, first);
-        for (std::size_t k = 0; k < count; ++k) {
-            if (found[k].hit.geomID == RTC_INVALID_GEOMETRY_ID) { continue; }
-            Hit& to = hits[static_cast<std::size_t>(asked[k] - rays.data())];
-            if (first[k]) {
-                to = *first[k];
-                continue;
-            }
-            // It lies in the plane of what floats saw: their word is all there is.
-            to = hit(found[k].hit.primID);
-            const double ahead = dot(near[k].origin - asked[k]->origin, near[k].direction);
-            to.distance = ahead + (static_cast<double>(found[k].ray.tfar) - UnitBox::step_back) /
-                                      occluders.box.scale;
-            if (to.is_point) { continue; }
-            to.u = static_cast<double>(found[k].hit.u);
-            to.v = static_cast<double>(found[k].hit.v);
-        }
-    }
+    const Occluders& occluders;
+    const RayFields* fields = nullptr;  // where they are, without notes; or:
+    std::span<const ShadowRay> rays;
+    /// Told of all that a ray meets, which goes on then. None: the first hit will do.
+    std::function<void(std::uint32_t primitive)> notes;
 };
+
+}  // namespace
+
+RTCRay embree_ray(const BoxRay& ray, unsigned id)
+{
+    RTCRay r{};
+    r.org_x = ray.org_x;
+    r.org_y = ray.org_y;
+    r.org_z = ray.org_z;
+    r.tnear = ray.tnear;
+    r.dir_x = ray.dir_x;
+    r.dir_y = ray.dir_y;
+    r.dir_z = ray.dir_z;
+    r.tfar = ray.tfar;
+    r.mask = ~0U;
+    r.id = id;
+    return r;
+}
+
+std::optional<ShadowRay> brought_near(const ShadowRay& r, const UnitBox& box)
+{
+    const double step = std::max(0.0, dot(box.centre - r.origin, r.direction) - 2.0 / box.scale);
+    const Point3 start = r.origin + Vec3(r.direction) * step;
+    if (!(length(box.to_box(start)) < 8.0) || !(r.distance > step)) { return {}; }
+    return ShadowRay{start, r.direction, std::max(0.0, r.from - step), r.distance - step};
+}
 
 Bvh::Bvh(const Mesh& mesh, const Surface& surface, double point_radius_scale)
 {
@@ -276,18 +180,18 @@ Bvh::~Bvh() = default;
 void Bvh::trace(RayFields& rays, std::span<std::uint8_t> blocked) const
 {
     const Impl& b = *impl_;
-    Impl::Query query(b);
+    Query query(b.occluders);
     query.fields = &rays;
     if (b.pattern == RayPattern::Streams) {
         RTCRayNp stream = embree_rays(rays);
-        rtcOccludedNp(b.scene(), &query, &stream, static_cast<unsigned>(blocked.size()));
+        rtcOccludedNp(b.tree.get(), &query, &stream, static_cast<unsigned>(blocked.size()));
     } else {
         for (unsigned i = 0; i < blocked.size(); ++i) {
             if (rays.tfar[i] < 0.0F) { continue; }  // passed over
             RTCRay ray = embree_ray({rays.org_x[i], rays.org_y[i], rays.org_z[i], rays.tnear[i],
                                      rays.dir_x[i], rays.dir_y[i], rays.dir_z[i], rays.tfar[i]},
                                     i);
-            rtcOccluded1(b.scene(), &query, &ray);
+            rtcOccluded1(b.tree.get(), &query, &ray);
             rays.tfar[i] = ray.tfar;
         }
     }
@@ -307,35 +211,17 @@ void Bvh::occluded(std::span<const ShadowRay> rays, std::span<std::uint8_t> bloc
     }
 }
 
-Hit Bvh::nearest(Point3 origin, Dir3 direction, double from) const
-{
-    const ShadowRay ray{origin, direction, from, std::numeric_limits<double>::infinity()};
-    Hit hit;
-    impl_->nearest<1>({&ray, 1}, {&hit, 1});
-    return hit;
-}
-
-void Bvh::nearest(std::span<const ShadowRay> rays, std::span<Hit> hits) const
-{
-    for (std::size_t begin = 0; begin < rays.size(); begin += most_hits) {
-        const std::size_t count = std::min(most_hits, rays.size() - begin);
-        impl_->nearest<most_hits>(rays.subspan(begin, count), hits.subspan(begin, count));
-    }
-}
-
 std::vector<std::uint32_t> Bvh::points_along(const ShadowRay& ray) const
 {
     const Impl& b = *impl_;
-    const auto begun = b.brought_near(ray);
+    const auto begun = brought_near(ray, box_);
     if (!b.occluders.is_cloud() || !begun) { return {}; }
     std::vector<std::uint32_t> met;
-    Impl::Query query(b);
+    Query query(b.occluders);
     query.rays = {&*begun, 1};
-    query.notes = [&](std::uint32_t /*ray*/, std::uint32_t disc) {
-        met.push_back(b.occluders.point(disc));
-    };
+    query.notes = [&](std::uint32_t disc) { met.push_back(b.occluders.point(disc)); };
     RTCRay r = embree_ray(box().ray(*begun), 0);
-    rtcOccluded1(b.scene(), &query, &r);
+    rtcOccluded1(b.tree.get(), &query, &r);
     std::sort(met.begin(), met.end());
     return met;
 }

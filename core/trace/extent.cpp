@@ -1,7 +1,6 @@
 #include "core/trace/extent.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -54,10 +53,8 @@ void Extent::add(Vec3 place, double radius, Dir3 normal)
     radius_ = std::max(radius_, length(place) + radius);
 }
 
-double Extent::lattice_reach(const std::array<int, 3>& direction) const
+double Extent::lattice_reach(int index) const
 {
-    const int index = 9 * direction[0] + 3 * direction[1] + direction[2];  // -13 .. 13
-    if (index == 0) { return 0.0; }
     const Slab& s = slabs_[static_cast<std::size_t>(std::abs(index) - 1)];
     return index > 0 ? s.most : -s.least;
 }
@@ -67,23 +64,37 @@ double Extent::reach(Dir3 n) const
     if (radius_ < 0.0) { return -infinity; }
     // n = a axis + b edge + c corner, of lattice directions and with a, b, c >= 0: what reaches h_i
     // along each d_i reaches no more than a h_1 + b h_2 + c h_3 along n.
-    const std::array<double, 3> v{n.x(), n.y(), n.z()};
-    std::array<std::size_t, 3> axes{0, 1, 2};
-    std::sort(axes.begin(), axes.end(),
-              [&](std::size_t i, std::size_t j) { return std::abs(v[i]) > std::abs(v[j]); });
-    std::array<int, 3> direction{};
-    double bound = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        direction[axes[k]] = v[axes[k]] < 0.0 ? -1 : 1;
-        const double next = k < 2 ? std::abs(v[axes[k + 1]]) : 0.0;
-        const double weight = std::abs(v[axes[k]]) - next;
-        if (weight > 0.0) { bound += weight * lattice_reach(direction); }
-    }
+    struct Axis {
+        double size;
+        int step;  // from a lattice direction's index to that with this one added
+    };
+    const auto along = [](double x, int step) { return Axis{std::abs(x), x < 0.0 ? -step : step}; };
+    // By choices: the order of a normal's coordinates cannot be foretold.
+    const auto sort = [](Axis& more, Axis& less) {
+        const bool swaps = more.size < less.size;
+        const Axis first{std::max(more.size, less.size), swaps ? less.step : more.step};
+        less = {std::min(more.size, less.size), swaps ? more.step : less.step};
+        more = first;
+    };
+    Axis axis = along(n.x(), 9), edge = along(n.y(), 3), corner = along(n.z(), 1);
+    sort(axis, edge);
+    sort(edge, corner);
+    sort(axis, edge);
+    double bound = (axis.size - edge.size) * lattice_reach(axis.step) +
+                   (edge.size - corner.size) * lattice_reach(axis.step + edge.step) +
+                   corner.size * lattice_reach(axis.step + edge.step + corner.step);
     // dot(x, n) = dot(x, m) + dot(x, n - m)
     for (std::size_t k = lattice_slabs; k < slabs_.size(); ++k) {
         const Slab& s = slabs_[k];
-        bound = std::min({bound, s.most + radius_ * length(Vec3(n) - s.along),
-                          -s.least + radius_ * length(Vec3(n) + s.along)});
+        const auto tighten = [&](double reach, Vec3 apart) {
+            // Most are far off: a root only for those that may be less.
+            const double room = bound - reach;
+            if (room > 0.0 && radius_ * radius_ * dot(apart, apart) < 1.001 * room * room) {
+                bound = std::min(bound, reach + radius_ * length(apart));
+            }
+        };
+        tighten(s.most, Vec3(n) - s.along);
+        tighten(-s.least, Vec3(n) + s.along);
     }
     return bound;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -42,7 +41,8 @@ class Extent {
     static constexpr std::size_t most_favoured = 8;
 
   private:
-    double lattice_reach(const std::array<int, 3>& direction) const;
+    /// @param index 9 x + 3 y + z of a lattice direction that is not 0: -13 .. 13
+    double lattice_reach(int index) const;
 
     std::vector<Slab> slabs_;  // 13 of the lattice, the favoured after them
     double radius_ = -1.0;     // of the ball around the origin that holds everything

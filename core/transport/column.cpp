@@ -21,6 +21,8 @@ std::vector<double> closed(const Source& source, std::span<const Receiver> recei
 {
     std::vector<Point3> places;
     std::vector<Dir3> normals;
+    places.reserve(receivers.size());
+    normals.reserve(receivers.size());
     for (const Receiver& receiver : receivers) {
         places.push_back(receiver.p);
         normals.push_back(receiver.frame.n);
@@ -84,20 +86,23 @@ std::uint64_t draw_grey(const Source& source, std::span<Sampling> vertices, Sums
     return gather_irradiance(source, grey, lanes_of(sums.replicates, begin, end), stream);
 }
 
-/// Of skies of a map.
-std::uint64_t draw_dome(const Source& source, const Dome& dome, std::span<Sampling> vertices,
-                        Sums& sums, unsigned begin, unsigned end, ShadowStream& stream)
+/// Of other lights: skies of a map (`dome`), or shining faces.
+std::uint64_t draw_colored(const Source& source, const std::optional<Dome>& dome,
+                           std::span<Sampling> vertices, Sums& sums, unsigned begin, unsigned end,
+                           ShadowStream& stream)
 {
     std::vector<ColoredVertex> colored;
     for (Sampling& vertex : vertices) {
         colored.push_back({&vertex.receiver, sums.of(sums.colored, vertex), &vertex.seen});
     }
-    return gather_dome(source, dome, colored, sums.replicates, begin, end, stream);
+    if (dome) { return gather_dome(source, *dome, colored, sums.replicates, begin, end, stream); }
+    return gather_faces(source, *std::get<MeshLight>(source.light.shape).table, colored,
+                        sums.replicates, begin, end, stream);
 }
 
-/// The same points of other lights, and of bounces.
-void draw_colored(const Source& source, bool by_dome, std::span<Sampling> vertices, Sums& sums,
-                  unsigned begin, unsigned end, RayQueue& queue)
+/// The same points of bounces.
+void draw_bounced(const Source& source, std::span<Sampling> vertices, Sums& sums, unsigned begin,
+                  unsigned end, RayQueue& queue)
 {
     const unsigned bounces = source.scene.transport.bounces;
     const Response cosine(source.scene.transport.two_sided);
@@ -105,15 +110,7 @@ void draw_colored(const Source& source, bool by_dome, std::span<Sampling> vertic
     for (Sampling& vertex : vertices) {
         const Receiver& receiver = vertex.receiver;
         const Sequence sequence = source.sequence(receiver);
-        const std::span<Rgb> colored = sums.of(sums.colored, vertex);
         const std::span<Rgb> bounced = sums.of(sums.bounced, vertex);
-        if (vertex.direct && !colored.empty() && !by_dome) {
-            const LightView seen = view(source.light.shape, receiver.p);
-            for (unsigned r = 0; r < sums.replicates; ++r) {
-                gather_direct(source, receiver, seen, cosine, sequence.replicate(r), begin, end,
-                              colored[r], &vertex.seen, queue);
-            }
-        }
         for (unsigned r = 0; r < bounced.size(); ++r) {
             for (unsigned i = begin; i < end; ++i) {
                 start_path(receiver, cosine, sequence.replicate(r), i, bounced[r], paths);
@@ -173,12 +170,14 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     const TransportOptions& options = source.scene.transport;
     const bool delta = is_delta(source.light.shape), grey = is_grey(source.light.shape);
     std::vector<Receiver> receivers;
+    receivers.reserve(of.size());
     for (std::size_t i = 0; i < of.size(); ++i) {
         receivers.push_back(vertex_receiver(stage, of[i]));
     }
     std::vector<double> exact;
     if (grey && !delta) { exact = closed(source, receivers); }
     std::vector<Sampling> vertices;
+    vertices.reserve(of.size());
     for (std::size_t i = 0; i < of.size(); ++i) {
         const Receiver& receiver = receivers[i];
         if (!receiver.frame.n) { continue; }
@@ -204,7 +203,7 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     ShadowStream stream(*stage.bvh);
     std::optional<RayQueue> queue;  // which fills what it holds: only where it is of use
     const std::optional<Dome> dome = dome_of(source.light.shape);
-    if ((!sums.colored.empty() && !dome) || !sums.bounced.empty()) { queue.emplace(*stage.bvh); }
+    if (!sums.bounced.empty()) { queue.emplace(*stage.bvh); }
     unsigned drawn = 0;
     std::span<Sampling> active(vertices);
     while (!active.empty() && drawn < budget.each) {
@@ -214,8 +213,10 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
         if (!sums.lit.empty()) {
             column.rays += draw_grey(source, active, sums, drawn, until, stream);
         }
-        if (dome) { column.rays += draw_dome(source, *dome, active, sums, drawn, until, stream); }
-        if (queue) { draw_colored(source, dome.has_value(), active, sums, drawn, until, *queue); }
+        if (!sums.colored.empty()) {
+            column.rays += draw_colored(source, dome, active, sums, drawn, until, stream);
+        }
+        if (queue) { draw_bounced(source, active, sums, drawn, until, *queue); }
         drawn = until;
         const auto unsettled = std::partition(active.begin(), active.end(), [&](const Sampling& v) {
             const Rgb error = settle(v, sums, drawn, column) * source.light.power;
@@ -236,12 +237,13 @@ Column direct_and_bounced(const Source& source, Vertices vertices)
     const bool delta = is_delta(source.light.shape);
     Column column;
     column.bands = is_grey(source.light.shape) ? 1 : 3;
-    column.E.resize(count * column.bands);
-    if (!delta) { column.visible.share.resize(count); }
+    if (!delta) {
+        column.E.resize(count * column.bands);
+        column.visible.share.resize(count);
+    }
     if (bounces) { column.E_bounced.resize(count * 3); }
-    if (bounces || !delta) { column.standard_error.resize(count * (bounces ? 3 : column.bands)); }
-    if (delta) { fill_delta(source, vertices, column); }
-    if (bounces || !delta) { fill_sampled(source, vertices, column); }
+    column.standard_error.resize(count * (bounces ? 3 : column.bands));
+    fill_sampled(source, vertices, column);
     return column;
 }
 

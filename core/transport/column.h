@@ -17,12 +17,14 @@ struct Vertices {
     std::size_t operator[](std::size_t i) const { return ids[i]; }
 };
 
-/// E, visibility, bounces and their error of one light. Visibility comes as shares, of a delta
-/// light as the sign of E: -0 where it is not seen.
+/// What must be sampled: E, visibility, bounces and their error of one light; of a delta light the
+/// bounces alone.
 Column direct_and_bounced(const Source& source, Vertices vertices);
 
-/// The direct part of a delta light, E: one ray a vertex that faces it. The column has its size.
-void fill_delta(const Source& source, Vertices vertices, Column& column);
+/// E of a delta light: one ray a vertex that faces it; -0 where it is not seen. That of vertex v
+/// goes to E[v - first_id]. Returns rays traced.
+std::uint64_t fill_delta(const Source& source, Vertices vertices, std::size_t first_id,
+                         std::span<float> E);
 
 /// Some vertex may send light toward the viewer that its E does not tell.
 bool needs_radiance(const Source& source);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <memory>
 
@@ -32,12 +33,11 @@ DeltaGeometry geometry_of(const Source& source)
 }
 
 /// light_up() one by one, and its reference.
-std::size_t light_up_plainly(const Source& source, std::span<const std::uint32_t> vertices,
-                             RayFields::Field<float>& E, ShadowStream* rays)
+void light_up_plainly(const Source& source, std::span<const std::uint32_t> vertices,
+                      RayFields::Field<float>& E, ShadowStream* rays)
 {
     const Stage& stage = source.stage;
     const TransportOptions& options = source.scene.transport;
-    std::size_t count = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const Receiver receiver = vertex_receiver(stage, vertices[i]);
         const Arrival arrival = arrive(source.light.shape, receiver.p);
@@ -46,20 +46,16 @@ std::size_t light_up_plainly(const Source& source, std::span<const std::uint32_t
         const bool faces = cos_i > 0.0;  // behind the surface: no light, no ray
         E[i] = faces ? static_cast<float>(cos_i * per_unit_m2(arrival, source.scene.length_unit_m))
                      : -0.0F;
-        if (rays == nullptr) { continue; }
-        if (faces) {
+        if (rays != nullptr && faces) {
             rays->put(shadow_ray(*stage.bvh, receiver, arrival.wi, arrival.distance, options));
-            ++count;
-        } else {
-            rays->pass_over();
         }
     }
-    return count;
 }
 
 }  // namespace
 
-void fill_delta(const Source& source, Vertices vertices, Column& column)
+std::uint64_t fill_delta(const Source& source, Vertices vertices, std::size_t first_id,
+                         std::span<float> E)
 {
     const LightShape& shape = source.light.shape;
     const DeltaGeometry light = geometry_of(source);
@@ -68,22 +64,35 @@ void fill_delta(const Source& source, Vertices vertices, Column& column)
     ShadowStream stream(*source.stage.bvh);
     ShadowStream* rays = source.shadowed() ? &stream : nullptr;
     RayFields::Field<double> per_unit;
-    RayFields::Field<float> E;
+    RayFields::Field<float> open;
+    std::uint64_t traced = 0;
     constexpr std::size_t block = ShadowStream::capacity;
     for (std::size_t begin = 0; begin < vertices.size(); begin += block) {
         const std::size_t first = vertices.first + begin;
-        const std::size_t count = std::min(block, vertices.size() - begin);
-        for (std::size_t i = 0; !inverse_square && i < count; ++i) {
+        const auto ids = vertices.ids.subspan(begin, std::min(block, vertices.size() - begin));
+        for (std::size_t i = 0; !inverse_square && i < ids.size(); ++i) {
             per_unit[i] = arrive(shape, vertices.fields->p(first + i)).per_unit;
         }
-        const auto lit = light_up(light, *vertices.fields, first, count,
-                                  inverse_square ? nullptr : &per_unit, E, rays);
-        column.rays +=
-            lit ? *lit : light_up_plainly(source, vertices.ids.subspan(begin, count), E, rays);
+        if (!light_up(light, *vertices.fields, first, ids.size(),
+                      inverse_square ? nullptr : &per_unit, open, rays)) {
+            light_up_plainly(source, ids, open, rays);
+        }
         const auto blocked = stream.trace();
-        for (std::size_t i = 0; i < blocked.size(); ++i) { E[i] = blocked[i] != 0 ? -0.0F : E[i]; }
-        std::copy_n(E.begin(), count, &column.E[begin]);
+        traced += blocked.size();
+        // What faces the light has an answer, in order. In integers: a branch is guessed wrong
+        // here.
+        const std::uint8_t none = 0;
+        const std::uint8_t* next = rays == nullptr ? &none : blocked.data();
+        const std::uint32_t step = rays == nullptr ? 0 : 1;
+        for (std::size_t i = 0; i < ids.size(); ++i) {
+            const auto bits = std::bit_cast<std::uint32_t>(open[i]);
+            const std::uint32_t faces = ~bits >> 31U;
+            const std::uint32_t hidden = faces & *next;
+            E[ids[i] - first_id] = std::bit_cast<float>((bits & (hidden - 1U)) | hidden << 31U);
+            next += faces & step;
+        }
     }
+    return traced;
 }
 
 }  // namespace relight

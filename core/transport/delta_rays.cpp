@@ -1,5 +1,7 @@
 #include "core/transport/delta_rays.h"
 
+#include <algorithm>
+
 #include "core/light/point_light.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -19,7 +21,7 @@ using Floats = hn::Rebind<float, Doubles>;  // as many
 using Double = hn::Vec<Doubles>;
 using Mask = hn::Mask<Doubles>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-static_assert(hn::MaxLanes(Doubles()) <= RayFields::spare);
+static_assert(hn::MaxLanes(Doubles()) <= std::min<std::size_t>(RayFields::spare, 8));  // lanes_of()
 
 HWY_INLINE Double set(double x)
 {
@@ -117,20 +119,43 @@ HWY_INLINE Arrivals arrive(const DeltaGeometry& light, const double* told, Vecto
     return {choose(apart, to_light / by, all({})), distance, per_unit, well};
 }
 
-/// RayFields of vectors of rays to pass over.
-HWY_INLINE void pass_over(RayFields& f, std::size_t i)
-{
-    const Double zero = hn::Zero(Doubles());
-    for (auto* field : {&f.org_x, &f.org_y, &f.org_z, &f.tnear, &f.dir_x, &f.dir_y, &f.dir_z}) {
-        write(zero, *field, i);
+/// By mask, in 4 bits each: its lanes. (Highway 1.0.3 has Compress(); GCC 12 copies its table onto
+/// the stack at every call.)
+constexpr auto lanes_of_mask = [] {
+    std::array<std::uint32_t, 256> packed{};
+    for (std::uint32_t mask = 0; mask < packed.size(); ++mask) {
+        unsigned found = 0;
+        for (std::uint32_t lane = 0; lane < 8; ++lane) {
+            if ((mask >> lane & 1U) != 0) { packed[mask] |= lane << (4U * found++); }
+        }
     }
-    write(set(-infinity), f.tfar, i);
+    return packed;
+}();
+
+/// Where to take the lanes of a mask from, so that they come first.
+HWY_INLINE auto lanes_of(Mask mask)
+{
+    const Doubles d;
+    const hn::RebindToUnsigned<Doubles> whole;
+    std::array<std::uint8_t, 8> bits{};
+    hn::StoreMaskBits(d, mask, bits.data());
+    const auto packed = hn::Set(whole, lanes_of_mask[bits[0]]);
+    const auto shifts = hn::ShiftLeft<2>(hn::Iota(whole, 0));
+    return hn::IndicesFromVec(d,
+                              hn::And(hn::Shr(packed, shifts), hn::Set(whole, hn::Lanes(d) - 1)));
+}
+using Indices = decltype(lanes_of(Mask()));
+
+/// The lanes that come first; what follows them is overwritten by the next, or never read.
+template <class T>
+HWY_INLINE void write(Double x, Indices chosen, RayFields::Field<T>& to, std::size_t i)
+{
+    write(hn::TableLookupLanes(x, chosen), to, i);
 }
 
-std::optional<std::size_t> light(const DeltaGeometry& light, const VertexFields& vertices,
-                                 std::size_t first, std::size_t count,
-                                 const RayFields::Field<double>* told, RayFields::Field<float>& E,
-                                 ShadowStream* stream)
+bool light(const DeltaGeometry& light, const VertexFields& vertices, std::size_t first,
+           std::size_t count, const RayFields::Field<double>* told, RayFields::Field<float>& E,
+           ShadowStream* stream)
 {
     const Doubles d;
     const std::size_t lanes = hn::Lanes(d);
@@ -146,17 +171,12 @@ std::optional<std::size_t> light(const DeltaGeometry& light, const VertexFields&
         const Mask there_is = hn::FirstN(d, count - i);
         const auto [wi, distance, per_unit, well] =
             arrive(light, told == nullptr ? nullptr : &(*told)[i], p);
-        if (!hn::AllFalse(d, hn::AndNot(well, there_is))) { return {}; }
+        if (!hn::AllFalse(d, hn::AndNot(well, there_is))) { return false; }
         const Double cos_n = dot(n, wi);
         const Double cos_i = light.two_sided ? hn::Abs(cos_n) : cos_n;
         const Mask faces = hn::And(hn::Gt(cos_i, zero), there_is);
         write(hn::IfThenElse(faces, hn::Mul(cos_i, per_unit / m2), set(-0.0)), E, i);
-        if (stream == nullptr) { continue; }
-        RayFields& f = stream->fields();
-        if (hn::AllFalse(d, faces)) {
-            pass_over(f, i);
-            continue;
-        }
+        if (stream == nullptr || hn::AllFalse(d, faces)) { continue; }
         // shadow_ray()
         const Double spacing = hn::PromoteTo(d, hn::LoadU(Floats(), &vertices.spacing[v]));
         const Double offset =
@@ -182,26 +202,28 @@ std::optional<std::size_t> light(const DeltaGeometry& light, const VertexFields&
             hn::Add(hn::Add(set(UnitBox::beyond), hn::Abs(org.x)), hn::Abs(org.y)), hn::Abs(org.z));
         const Double tfar =
             hn::Add(hn::Min(hn::Mul(reach, set(box.scale)), beyond), set(2.0 * UnitBox::step_back));
-        write(org.x, f.org_x, i);
-        write(org.y, f.org_y, i);
-        write(org.z, f.org_z, i);
-        write(hn::Mul(from, set(box.scale)), f.tnear, i);
-        write(aim.x, f.dir_x, i);
-        write(aim.y, f.dir_y, i);
-        write(aim.z, f.dir_z, i);
-        write(hn::IfThenElse(faces, tfar, set(-infinity)), f.tfar, i);
-        write(origin.x, f.origin_x, i);
-        write(origin.y, f.origin_y, i);
-        write(origin.z, f.origin_z, i);
-        write(aim.x, f.direction_x, i);
-        write(aim.y, f.direction_y, i);
-        write(aim.z, f.direction_z, i);
-        write(from, f.from, i);
-        write(reach, f.distance, i);
+        RayFields& f = stream->fields();
+        const Indices chosen = lanes_of(faces);
+        write(org.x, chosen, f.org_x, rays);
+        write(org.y, chosen, f.org_y, rays);
+        write(org.z, chosen, f.org_z, rays);
+        write(hn::Mul(from, set(box.scale)), chosen, f.tnear, rays);
+        write(aim.x, chosen, f.dir_x, rays);
+        write(aim.y, chosen, f.dir_y, rays);
+        write(aim.z, chosen, f.dir_z, rays);
+        write(tfar, chosen, f.tfar, rays);
+        write(origin.x, chosen, f.origin_x, rays);
+        write(origin.y, chosen, f.origin_y, rays);
+        write(origin.z, chosen, f.origin_z, rays);
+        write(aim.x, chosen, f.direction_x, rays);
+        write(aim.y, chosen, f.direction_y, rays);
+        write(aim.z, chosen, f.direction_z, rays);
+        write(from, chosen, f.from, rays);
+        write(reach, chosen, f.distance, rays);
         rays += hn::CountTrue(d, faces);
     }
-    if (stream != nullptr) { stream->resize(count); }
-    return rays;
+    if (stream != nullptr) { stream->resize(rays); }
+    return true;
 }
 
 std::uint64_t take_signs(float* E)
@@ -229,10 +251,9 @@ namespace relight {
 HWY_EXPORT(light);
 HWY_EXPORT(take_signs);
 
-std::optional<std::size_t> light_up(const DeltaGeometry& geometry, const VertexFields& fields,
-                                    std::size_t first, std::size_t count,
-                                    const RayFields::Field<double>* per_unit,
-                                    RayFields::Field<float>& E, ShadowStream* rays)
+bool light_up(const DeltaGeometry& geometry, const VertexFields& fields, std::size_t first,
+              std::size_t count, const RayFields::Field<double>* per_unit,
+              RayFields::Field<float>& E, ShadowStream* rays)
 {
     return HWY_DYNAMIC_DISPATCH(light)(geometry, fields, first, count, per_unit, E, rays);
 }

@@ -46,16 +46,49 @@ constexpr unsigned whole(unsigned lanes)
     }
 }
 
+/// The first of each pair alone.
+[[gnu::always_inline]] inline void draw_picks(const Sequence& of, std::uint32_t pair,
+                                              const Lanes& lanes, double* picks)
+{
+    const Sequence sequence = of;
+    RELIGHT_APART
+    for (unsigned i = 0; i < lanes.count; ++i) {
+        picks[i] = sequence.replicate(lanes.replicate[i]).at(lanes.point[i], pair).u;
+    }
+}
+
 template <class View>
 [[gnu::always_inline]] inline void draw_directions(const View& from, unsigned lanes,
                                                    std::size_t first, Slots& slots)
 {
     const View view = from;
     const unsigned count = whole(lanes);
+    // In two loops where it has two steps: half as long a chain keeps the processor twice as busy.
+    constexpr bool in_steps = requires
+    {
+        view.corner(0.0);
+    };
+    if constexpr (in_steps) {
+        RELIGHT_APART
+        for (unsigned i = 0; i < count; ++i) {
+            const std::size_t slot = first + i;
+            const Vec3 corner = view.corner(slots.u[slot]);
+            slots.x[slot] = corner.x;
+            slots.y[slot] = corner.y;
+            slots.z[slot] = corner.z;
+        }
+    }
     RELIGHT_APART
     for (unsigned i = 0; i < count; ++i) {
         const std::size_t slot = first + i;
-        const LightSample there = view.sample_direction({slots.u[slot], slots.v[slot]});
+        const Sample2 s{slots.u[slot], slots.v[slot]};
+        const LightSample there = [&] {
+            if constexpr (in_steps) {
+                return view.toward({slots.x[slot], slots.y[slot], slots.z[slot]}, s);
+            } else {
+                return view.sample_direction(s);
+            }
+        }();
         slots.x[slot] = there.wi.x();
         slots.y[slot] = there.wi.y();
         slots.z[slot] = there.wi.z();
@@ -94,10 +127,12 @@ struct Start {
 };
 
 template <bool is_far_away>
-[[gnu::always_inline]] inline void aim_rays(const Start& of, unsigned lanes, std::size_t first,
-                                            Slots& slots, RayFields& fields, Brought& E)
+[[gnu::always_inline]] inline void aim_rays(const Receiver& receiver, const Bvh& bvh,
+                                            const TransportOptions& options, unsigned lanes,
+                                            std::size_t first, Slots& slots, RayFields& fields,
+                                            Brought& E)
 {
-    const Start start = of;
+    const Start start(receiver, bvh, options);
     const unsigned count = whole(lanes);
     RELIGHT_APART
     for (unsigned i = 0; i < count; ++i) {
@@ -119,8 +154,8 @@ template <bool is_far_away>
             const Mask is_far = where(!(squared < 1e200));
             // A light closer than the step itself is not behind anything.
             const Mask is_beside = ~(where(squared > 1e-200) & where(dot(to_light, wi) > 0.0));
-            const double far = choose(is_far, drawn, std::sqrt(squared));
-            const double over = 1.0 / far;
+            const double over = inverse_root(squared);
+            const double far = choose(is_far, drawn, squared * over);
             const Mask as_drawn = is_far | is_beside;
             aim = choose(as_drawn, wi, to_light * over);
             distance =
@@ -147,6 +182,65 @@ template <bool is_far_away>
     }
 }
 
+/// Distances to shining faces: rays end before them.
+[[gnu::always_inline]] inline void stop_before_faces(const MeshLanes& lanes, const Bvh& bvh,
+                                                     std::size_t count, Slots& slots)
+{
+    RELIGHT_APART
+    for (std::size_t slot = 0; slot < count; ++slot) {
+        slots.weight[slot] = lanes.seen.pdf[slot] > 0.0 ? 1.0 : 0.0;
+        slots.distance[slot] = short_of_face(bvh, lanes.distance[slot]);
+    }
+}
+
+/// Which directions may meet faces within the bounds: a weight of 1, else 0.
+[[gnu::always_inline]] inline void meet_bounds(const EmitterBounds& within, const Start& of,
+                                               unsigned lanes, std::size_t first, Slots& slots)
+{
+    const Start start = of;
+    const EmitterBounds box = within;
+    constexpr double least = 1e-200;  // not 0: 0 times its infinite inverse is no number
+    RELIGHT_APART
+    for (unsigned i = 0; i < lanes; ++i) {
+        const std::size_t slot = first + i;
+        const Vec3 wi{slots.x[slot], slots.y[slot], slots.z[slot]};
+        const Vec3 from = choose(where(dot(start.ng, wi) >= 0.0), start.above, start.below);
+        double in = 0.0, out = std::numeric_limits<double>::infinity();
+        const auto narrow = [&](double low, double high, double along) {
+            const double per = 1.0 / std::copysign(std::max(std::abs(along), least), along);
+            in = std::max(in, std::min(low * per, high * per));
+            out = std::min(out, std::max(low * per, high * per));
+        };
+        const Vec3 low = box.low - from, high = box.high - from;
+        narrow(low.x, high.x, wi.x);
+        narrow(low.y, high.y, wi.y);
+        narrow(low.z, high.z, wi.z);
+        slots.weight[slot] = in <= out ? 1.0 : 0.0;
+    }
+}
+
+/// What those directions meet.
+void meet_faces(std::span<const Asker<MeshCosines>> askers, unsigned lanes, Slots& slots)
+{
+    std::size_t slot = 0;
+    for (const Asker<MeshCosines>& asker : askers) {
+        const Receiver& at = *asker.receiver;
+        MeshLanes& all = *asker.view.lanes;
+        for (const std::size_t end = slot + lanes; slot < end; ++slot) {
+            LightSample there;
+            if (slots.weight[slot] > 0.0) {
+                const Dir3 wi = unit_already({slots.x[slot], slots.y[slot], slots.z[slot]});
+                there = asker.view.faces->look_along(ray_start(at, wi), at.p, wi);
+            }
+            all.distance[slot] = there.distance;
+            all.seen.red[slot] = there.L.r;
+            all.seen.green[slot] = there.L.g;
+            all.seen.blue[slot] = there.L.b;
+            all.seen.pdf[slot] = there.pdf;
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<Lanes> lanes_of(unsigned replicates, unsigned begin, unsigned end)
@@ -168,6 +262,7 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
           std::uint32_t pair, const Lanes& lanes, ShadowStream& stream, Brought& E)
 {
     constexpr bool is_dome = std::is_same_v<View, DomeDirections>;
+    constexpr bool is_mesh = std::is_same_v<View, MeshDirections>;
     constexpr bool is_far_away = is_dome || std::is_same_v<View, SunView> ||
                                  std::is_same_v<View, CosineView> ||
                                  std::is_same_v<View, CosineDirections>;
@@ -191,19 +286,36 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
             });
         });
     };
-    if constexpr (is_dome) {
-        static_assert(DomeLanes::most >= Slots::most);
-        DomeLanes all;
-        draw_pair(pair + 1);
-        std::copy_n(slots.u, count, all.pick);
+    if constexpr (is_dome || is_mesh) {
+        auto& all = *askers.front().view.lanes;
+        static_assert(SeenLanes::most >= Slots::most);
+        bool has_parts = true;
+        if constexpr (is_dome) { has_parts = askers.front().view.dome->has_parts(); }
+        in_vectors([&] {
+            if (!has_parts) { return; }
+            each([&](const Asker<View>& asker, std::size_t first) {
+                draw_picks(asker.sequence, pair + 1, lanes, all.pick + first);
+            });
+        });
         draw_pair(pair);
         std::copy_n(slots.u, count, all.u);
         std::copy_n(slots.v, count, all.v);
-        if (!askers.empty()) { sample(*askers[0].view.dome, count, all); }
+        if constexpr (is_dome) {
+            sample(*askers.front().view.dome, count, all);
+            std::fill_n(slots.weight, count, 1.0);
+        } else {
+            each([&](const Asker<View>& asker, std::size_t first) {
+                const Point3 p = asker.receiver->p;
+                std::fill_n(all.px + first, lanes.count, p.x);
+                std::fill_n(all.py + first, lanes.count, p.y);
+                std::fill_n(all.pz + first, lanes.count, p.z);
+            });
+            sample(*askers.front().view.faces, count, all);
+            in_vectors([&] { stop_before_faces(all, bvh, count, slots); });
+        }
         std::copy_n(all.x, count, slots.x);
         std::copy_n(all.y, count, slots.y);
         std::copy_n(all.z, count, slots.z);
-        std::fill_n(slots.weight, count, 1.0);
     } else {
         draw_pair(pair);
         in_vectors([&] {
@@ -211,6 +323,16 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
                 draw_directions(asker.view, lanes.count, first, slots);
             });
         });
+    }
+    if constexpr (std::is_same_v<View, MeshCosines>) {
+        in_vectors([&] {
+            each([&](const Asker<View>& asker, std::size_t first) {
+                meet_bounds(asker.view.faces->bounds(), Start(*asker.receiver, bvh, options),
+                            lanes.count, first, slots);
+            });
+        });
+        meet_faces(askers, lanes.count, slots);
+        in_vectors([&] { stop_before_faces(*askers.front().view.lanes, bvh, count, slots); });
     }
     if constexpr (std::is_same_v<View, RectView>) {
         each([&](const Asker<View>& asker, std::size_t first) {
@@ -227,8 +349,8 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
     }
     in_vectors([&] {
         each([&](const Asker<View>& asker, std::size_t first) {
-            aim_rays<is_far_away>(Start(*asker.receiver, bvh, options), lanes.count, first, slots,
-                                  fields, E);
+            aim_rays<is_far_away>(*asker.receiver, bvh, options, lanes.count, first, slots, fields,
+                                  E);
         });
     });
     each([&](const Asker<View>& asker, std::size_t first) {
@@ -255,6 +377,10 @@ template void draw(std::span<const Asker<CosineView>>, const Bvh&, const Transpo
 template void draw(std::span<const Asker<CosineDirections>>, const Bvh&, const TransportOptions&,
                    std::uint32_t, const Lanes&, ShadowStream&, Brought&);
 template void draw(std::span<const Asker<DomeDirections>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<MeshDirections>>, const Bvh&, const TransportOptions&,
+                   std::uint32_t, const Lanes&, ShadowStream&, Brought&);
+template void draw(std::span<const Asker<MeshCosines>>, const Bvh&, const TransportOptions&,
                    std::uint32_t, const Lanes&, ShadowStream&, Brought&);
 
 }  // namespace relight

@@ -56,11 +56,33 @@ struct CosineDirections {
                 Rgb::grey(1.0), 1.0};
     }
 };
-/// Those that a sky of a map draws, likewise; the pair after `pair` picks its parts.
+/// Those that a sky of a map draws, likewise; the pair after `pair` picks its parts. What is seen
+/// along them is left in `lanes`.
 struct DomeDirections {
     const Dome* dome;
+    DomeLanes* lanes;
 
     static constexpr bool is_seen() { return true; }
+};
+
+/// Those toward shining faces, drawn from them or by the cosine, of weight 1 if they meet one, and
+/// as far as it. What the face shows along them is left in `lanes`.
+struct MeshDirections {
+    const EmitterTable* faces;
+    MeshLanes* lanes;
+
+    static constexpr bool is_seen() { return true; }
+};
+struct MeshCosines {
+    CosineView cosine;
+    const EmitterTable* faces;
+    MeshLanes* lanes;
+
+    static constexpr bool is_seen() { return true; }
+    LightSample sample_direction(Sample2 s) const
+    {
+        return CosineDirections{cosine}.sample_direction(s);
+    }
 };
 
 /// One who asks for samples: how the light looks from there, and its random numbers.
@@ -110,5 +132,10 @@ extern template void draw(std::span<const Asker<CosineDirections>>, const Bvh&,
 extern template void draw(std::span<const Asker<DomeDirections>>, const Bvh&,
                           const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
                           Brought&);
+extern template void draw(std::span<const Asker<MeshDirections>>, const Bvh&,
+                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
+                          Brought&);
+extern template void draw(std::span<const Asker<MeshCosines>>, const Bvh&, const TransportOptions&,
+                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
 
 }  // namespace relight

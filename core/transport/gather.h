@@ -12,27 +12,9 @@
 #include "core/transport/budget.h"
 #include "core/transport/draws.h"
 #include "core/transport/receiver.h"
+#include "core/transport/source.h"
 
 namespace relight {
-
-/// The vertex's part of its random numbers' key: where it is and which way it faces, so that
-/// neither the order of the vertices nor a duplicate changes an answer.
-std::uint64_t key_of(const Receiver& receiver);
-
-/// One light as the transport sees it: whose column is being made.
-struct Source {
-    const Stage& stage;
-    const Scene& scene;
-    const Light& light;
-    std::uint64_t number = 0;  ///< part of the random numbers' key
-
-    bool shadowed() const { return scene.transport.shadows && light.cast_shadows; }
-    /// Replicate 0 of a receiver's.
-    Sequence sequence(const Receiver& receiver) const
-    {
-        return {scene.transport.seed, key_of(receiver), number, 0};
-    }
-};
 
 /// Nothing in any band.
 constexpr bool is_black(Rgb c)
@@ -118,9 +100,6 @@ class Response {
     Rgb color_;
 };
 
-/// A sky that is found by looking about, not by drawing it.
-bool is_even_sky(const LightShape& shape);
-
 /// Points [begin, end) of one replicate's direct light (of a light that is no delta) at a receiver
 /// that sees it as `view`: even ones drawn from the light, odd ones from the response, joined by
 /// the balance heuristic (Veach & Guibas 1995); an even sky by the response alone.
@@ -142,7 +121,11 @@ struct GreyVertex {
 std::uint64_t gather_irradiance(const Source& source, std::span<const GreyVertex> vertices,
                                 std::span<const Lanes> lanes, ShadowStream& stream);
 
-/// A vertex whose direct E of a sky of a map is drawn.
+/// Such a light is drawn by itself alone: a face that is found by looking about is the light only
+/// where a ray meets it first, whatever is between.
+bool is_found_by_light_alone(const Source& source);
+
+/// A vertex whose direct E of a light of many colours is drawn: a sky of a map, or shining faces.
 struct ColoredVertex {
     const Receiver* receiver;
     std::span<Rgb> lit;  ///< a sum a replicate
@@ -155,6 +138,10 @@ struct ColoredVertex {
 std::uint64_t gather_dome(const Source& source, const Dome& dome,
                           std::span<const ColoredVertex> vertices, unsigned replicates,
                           unsigned begin, unsigned end, ShadowStream& stream);
+/// The same of shining faces.
+std::uint64_t gather_faces(const Source& source, const EmitterTable& faces,
+                           std::span<const ColoredVertex> vertices, unsigned replicates,
+                           unsigned begin, unsigned end, ShadowStream& stream);
 /// A light that gather_dome() draws; nothing of others.
 std::optional<Dome> dome_of(const LightShape& shape);
 

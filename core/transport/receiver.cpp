@@ -42,12 +42,17 @@ Receiver hit_receiver(const Stage& stage, Point3 origin, Dir3 direction, const H
     return receiver;
 }
 
+Point3 ray_start(const Receiver& receiver, Dir3 wi)
+{
+    const double side = std::copysign(receiver.clear.offset, dot(receiver.ng, wi));
+    return receiver.lifted + Vec3(receiver.ng) * side;
+}
+
 ShadowRay shadow_ray(const Bvh& bvh, const Receiver& receiver, Dir3 wi, double distance,
                      const TransportOptions& options)
 {
     const double reach = options.max_distance.value_or(std::numeric_limits<double>::infinity());
-    const double side = std::copysign(receiver.clear.offset, dot(receiver.ng, wi));
-    const Point3 origin = receiver.lifted + Vec3(receiver.ng) * side;
+    const Point3 origin = ray_start(receiver, wi);
     if (!std::isfinite(distance)) { return {origin, wi, receiver.clear.from, reach}; }
     const Vec3 to_light = receiver.p + Vec3(wi) * distance - origin;
     const Dir3 aim = normalize(to_light);
@@ -55,14 +60,6 @@ ShadowRay shadow_ray(const Bvh& bvh, const Receiver& receiver, Dir3 wi, double d
     if (!aim || dot(aim, wi) <= 0.0) { return {origin, wi, receiver.clear.from, 0.0}; }
     const double short_of_light = length(to_light) - bvh.clearance(0.0).offset;
     return {origin, aim, receiver.clear.from, std::max(0.0, std::min(reach, short_of_light))};
-}
-
-double short_of_face(const Bvh& bvh, double distance)
-{
-    constexpr double relative = 1e-5;  // some hundred roundings of a float distance
-    constexpr double steps_off = 1e3;  // and of a float coordinate: 1e-6 of the model
-    return std::max(
-        0.0, distance - std::max(relative * distance, steps_off * bvh.clearance(0.0).offset));
 }
 
 double per_unit_m2(const Arrival& arrival, double length_unit_m)

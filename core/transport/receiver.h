@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -28,6 +29,9 @@ Receiver vertex_receiver(const Stage& stage, std::size_t vertex);
 /// Where a ray along `direction` met the surface: flat, on the side that the ray comes from.
 Receiver hit_receiver(const Stage& stage, Point3 origin, Dir3 direction, const Hit& hit);
 
+/// Where rays along wi start: off the side that wi leaves from.
+Point3 ray_start(const Receiver& receiver, Dir3 wi);
+
 /// The occlusion ray from a receiver along wi, off the side that wi leaves from, as far as
 /// `distance` (to a place on a light: it then aims at that very place) or options.max_distance.
 ShadowRay shadow_ray(const Bvh& bvh, const Receiver& receiver, Dir3 wi, double distance,
@@ -35,7 +39,13 @@ ShadowRay shadow_ray(const Bvh& bvh, const Receiver& receiver, Dir3 wi, double d
 
 /// Distance at which a ray toward a shining face of the mesh stops, so as not to be blocked by the
 /// face itself [scene units].
-double short_of_face(const Bvh& bvh, double distance);
+inline double short_of_face(const Bvh& bvh, double distance)
+{
+    constexpr double relative = 1e-5;  // some hundred roundings of a float distance
+    constexpr double steps_off = 1e3;  // and of a float coordinate: 1e-6 of the model
+    return std::max(
+        0.0, distance - std::max(relative * distance, steps_off * bvh.clearance(0.0).offset));
+}
 
 /// E of one unit of power on a surface that faces a delta light [1/m^2 sr, or 1]: distances are in
 /// scene units, areas in square metres.

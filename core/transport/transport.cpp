@@ -55,18 +55,26 @@ void place(std::vector<float>& whole, const std::vector<float>& part, Vertices v
     }
 }
 
-/// A column of all vertices, block by block along their Morton order. `make` gives the column of
-/// some vertices, with the arrays of `shape`. Nothing when stopped.
-std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t block,
-                                   unsigned threads, Progress& progress,
-                                   const std::function<Column(Vertices)>& make)
+/// Blocks of all vertices along their Morton order.
+void for_blocks(const Stage& stage, std::size_t block, unsigned threads, Progress& progress,
+                const std::function<void(Vertices)>& body)
 {
     const Surface& surface = *stage.surface;
     const std::span<const std::uint32_t> order = surface.order;
     assert(order.size() == stage.mesh->positions.size());  // of prepare()
-    std::atomic<std::uint64_t> rays{0};
     parallel_for(order.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
-        const Vertices some{order.subspan(begin, end - begin), &surface.ordered, begin};
+        body({order.subspan(begin, end - begin), &surface.ordered, begin});
+    });
+}
+
+/// A column of all vertices. `make` gives that of some, with arrays of `shape`, which may hold
+/// others already. Nothing when stopped.
+std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t block,
+                                   unsigned threads, Progress& progress,
+                                   const std::function<Column(Vertices)>& make)
+{
+    std::atomic<std::uint64_t> rays{shape.rays};
+    for_blocks(stage, block, threads, progress, [&](Vertices some) {
         const Column part = make(some);
         place(shape.E, part.E, some);
         place(shape.visible.share, part.visible.share, some);
@@ -86,7 +94,7 @@ std::optional<Column> whole_column(const Stage& stage, Column shape, std::size_t
 /// Visibility::bits of a delta light: it is not seen where its E is -0, which loses the sign.
 std::vector<std::uint64_t> seen_bits(std::vector<float>& E, unsigned threads, Progress& progress)
 {
-    constexpr std::size_t word = 64, words = 1 << 10;
+    constexpr std::size_t word = 64, words = 1 << 12;  // no thread for what takes 50 microseconds
     std::vector<std::uint64_t> bits((E.size() + word - 1) / word);
     const std::size_t whole = E.size() / word;
     parallel_for(whole, words, threads, progress, [&](std::size_t begin, std::size_t end) {
@@ -105,28 +113,54 @@ std::vector<std::uint64_t> seen_bits(std::vector<float>& E, unsigned threads, Pr
     return bits;
 }
 
+/// Does work on this thread as those of trace() would: denormals flushed, to the same bytes.
+void here(const std::function<void(Progress&)>& work)
+{
+    Progress never_stopped;
+    parallel_for(1, 1, 1, never_stopped,
+                 [&](std::size_t /*begin*/, std::size_t /*end*/) { work(never_stopped); });
+}
+
 SharedColumn shared(std::optional<Column>&& column)
 {
     return column ? std::make_shared<const Column>(std::move(*column)) : nullptr;
+}
+
+/// A delta light's E and visibility. Of no use when stopped.
+/// @param advances the progress, by every vertex
+Column delta_column(const Source& source, unsigned threads, bool advances, Progress& progress)
+{
+    Column column;
+    column.E.resize(source.stage.mesh->positions.size());
+    std::atomic<std::uint64_t> rays{0};
+    for_blocks(source.stage, delta_block, threads, progress, [&](Vertices some) {
+        rays += fill_delta(source, some, 0, column.E);
+        if (advances) { progress.advance(some.size()); }
+    });
+    column.rays = rays;
+    column.visible.bits = seen_bits(column.E, threads, progress);
+    return column;
 }
 
 SharedColumn irradiance_column(const Source& source, unsigned threads, Progress& progress)
 {
     const std::size_t vertices = source.stage.mesh->positions.size();
     const bool bounces = source.scene.transport.bounces > 0;
-    const bool delta = is_delta(source.light.shape);
-    const bool sampled = bounces || !delta;
     Column shape;
-    shape.bands = is_grey(source.light.shape) ? 1 : 3;
-    shape.E.resize(vertices * shape.bands);
+    if (is_delta(source.light.shape)) {
+        shape = delta_column(source, threads, !bounces, progress);
+        if (progress.stopped()) { return nullptr; }
+        if (!bounces) { return shared(std::move(shape)); }
+    } else {
+        shape.bands = is_grey(source.light.shape) ? 1 : 3;
+        shape.E.resize(vertices * shape.bands);
+        shape.visible.share.resize(vertices);
+    }
     if (bounces) { shape.E_bounced.resize(vertices * 3); }
-    if (sampled) { shape.standard_error.resize(vertices * (bounces ? 3 : shape.bands)); }
-    if (!delta) { shape.visible.share.resize(vertices); }
-    auto whole = whole_column(
-        source.stage, std::move(shape), sampled ? sampled_block(source.scene) : delta_block,
-        threads, progress, [&](Vertices some) { return direct_and_bounced(source, some); });
-    if (whole && delta) { whole->visible.bits = seen_bits(whole->E, threads, progress); }
-    return progress.stopped() ? nullptr : shared(std::move(whole));
+    shape.standard_error.resize(vertices * (bounces ? 3 : shape.bands));
+    return shared(whole_column(source.stage, std::move(shape), sampled_block(source.scene), threads,
+                               progress,
+                               [&](Vertices some) { return direct_and_bounced(source, some); }));
 }
 
 SharedColumn radiance_column(const Source& source, unsigned threads, Progress& progress)
@@ -156,11 +190,18 @@ Column column(const Stage& stage, const Scene& scene, std::size_t light, std::si
               std::size_t end)
 {
     const Source source{stage, scene, scene.lights[light], light};
-    Column some = direct_and_bounced(source, Range(stage, begin, end).vertices());
-    if (is_delta(source.light.shape)) {
-        Progress never_stopped;
+    const bool delta = is_delta(source.light.shape);
+    const Range range(stage, begin, end);
+    Column some;
+    here([&](Progress& never_stopped) {
+        if (!delta || scene.transport.bounces > 0) {
+            some = direct_and_bounced(source, range.vertices());
+        }
+        if (!delta) { return; }
+        some.E.resize(end - begin);
+        some.rays += fill_delta(source, range.vertices(), begin, some.E);
         some.visible.bits = seen_bits(some.E, 1, never_stopped);
-    }
+    });
     return some;
 }
 
@@ -169,7 +210,12 @@ Column drawn_radiance(const Stage& stage, const Scene& scene, std::size_t light,
 {
     const Source source{stage, scene, scene.lights[light], light};
     if (!needs_radiance(source)) { return {}; }
-    return radiance_drawn(source, materials, Range(stage, begin, end).vertices());
+    const Range range(stage, begin, end);
+    Column some;
+    here([&](Progress& /*never_stopped*/) {
+        some = radiance_drawn(source, materials, range.vertices());
+    });
+    return some;
 }
 
 Transport trace(const Stage& stage, const Scene& scene, const TransportWanted& wanted,

@@ -7,6 +7,7 @@
 #include "tests/bench/sizes.h"
 #include "tests/bench/terrain.h"
 #include "tests/scenes.h"
+#include "tests/written.h"
 
 namespace relight::bench {
 namespace {

@@ -11,6 +11,7 @@
 #include "core/shade/shade.h"
 #include "tests/bench/terrain.h"
 #include "tests/scenes.h"
+#include "tests/written.h"
 
 // Runs each hot kernel once, on one thread, for callgrind to count (tests/bench/instructions).
 // Prints a line a kernel: name, tab, how many units it did, tab, what a unit is.

@@ -111,6 +111,12 @@ RawEmbree& cloud_embree(std::size_t points)
     return kept.try_emplace(points, cloud_stage(points)).first->second;
 }
 
+RawEmbree& outdoor_embree(std::size_t vertices)
+{
+    static std::map<std::size_t, RawEmbree> kept;
+    return kept.try_emplace(vertices, outdoor_stage(vertices)).first->second;
+}
+
 std::uint64_t blocked_one_by_one(RTCScene scene, std::span<const RawRay> rays)
 {
     RTCIntersectContext context;

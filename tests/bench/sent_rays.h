@@ -9,7 +9,8 @@
 namespace relight::bench {
 
 /// The very rays that trace() hands to Embree for a scene over a terrain or its cloud, in two
-/// orders of their vertices (those of a lamp above it count as the nearest's below). Those of one vertex stay in the order in which they were sent.
+/// orders of their vertices (those of a lamp above it count as the nearest's below). Those of one
+/// vertex stay in the order in which they were sent.
 struct SentRays {
     std::vector<RawRay> by_mesh;    ///< vertices as filed
     std::vector<RawRay> by_morton;  ///< along Surface::order

@@ -6,6 +6,7 @@
 
 #include "core/io/writers.h"
 #include "tests/scenes.h"
+#include "tests/written.h"
 
 namespace relight::bench {
 namespace {

@@ -1,5 +1,6 @@
 """Every file people have: meshes, clouds and glTF go in, and come out lit in every format."""
 
+import gzip
 import hashlib
 import json
 import socket
@@ -224,7 +225,7 @@ def test_a_length_is_said_where_it_is_known_and_text_comes_in_chunks(server, for
     ask = {"mesh": {"id": mesh["id"]}, "lights": [SUN], "output": {"format": format_}}
     reply = relight(server, ask)
     in_chunks = reply.headers["Transfer-Encoding"] == "chunked"
-    assert in_chunks == (format_ in ("obj", "off", "ply_ascii"))
+    assert in_chunks == (format_ in ("obj", "off", "ply_ascii", "json"))
     assert in_chunks or int(reply.headers["Content-Length"]) == len(reply.body)
     # HTTP/1.0 knows no chunks: the same bytes, and how many.
     body = json.dumps(ask).encode()
@@ -235,9 +236,51 @@ def test_a_length_is_said_where_it_is_known_and_text_comes_in_chunks(server, for
     head, _, same = answer.partition(b"\r\n\r\n")
     assert b"chunked" not in head and same == reply.body
     receipt = call(server, "POST", "/v1/relight?receipt=1", body, {"Content-Type": "application/json"})
-    if format_ != "json":
+    if format_ == "json":  # its last member
+        cut = receipt.body.rindex(b',"receipt":')
+        said = receipt.json()["receipt"]["result_sha256"]
+        assert receipt.body[:cut] + b"}" == reply.body and said == hashlib.sha256(reply.body).hexdigest()
+        assert receipt.headers["Transfer-Encoding"] == "chunked"
+    else:
         said = json.loads(receipt.headers["Relight-Receipt"])["result_sha256"]
         assert receipt.body == reply.body and said == hashlib.sha256(reply.body).hexdigest()
+
+
+def test_json_is_packed_while_it_is_sent_and_for_those_alone_who_take_it(server):
+    mesh = stored(server, SPOT)
+    ask = {"mesh": {"id": mesh["id"]}, "lights": LAMPS, "transport": {"samples": 4},
+           "output": {"format": "json", "quantities": ["color", "irradiance", "radiance", "normal", "per_light",
+                                                       "visibility", "ambient_occlusion", "sh"]}}
+    plain = relight(server, ask)
+    assert "Content-Encoding" not in plain.headers and len(plain.body) > 1 << 18  # several pieces
+    said = plain.json()
+    assert all(len(said[name]) == 2930 for name in ("color", "irradiance", "radiance", "normal", "sh"))
+    packed = relight(server, ask, {"Accept-Encoding": "gzip"})
+    assert packed.headers["Content-Encoding"] == "gzip" and packed.headers["Transfer-Encoding"] == "chunked"
+    assert gzip.decompress(packed.body) == plain.body and len(packed.body) < 0.5 * len(plain.body)
+    body, kind = json.dumps(ask).encode(), {"Content-Type": "application/json"}
+    receipt = call(server, "POST", "/v1/relight?receipt=1", body, kind)
+    packed = call(server, "POST", "/v1/relight?receipt=1", body, {**kind, "Accept-Encoding": "gzip"})
+    assert gzip.decompress(packed.body) == receipt.body
+    assert {**receipt.json(), "receipt": None} == {**said, "receipt": None}
+    obj = relight(server, {**ask, "output": {"format": "obj"}}, {"Accept-Encoding": "gzip"})
+    assert "Content-Encoding" not in obj.headers
+
+
+def test_a_long_json_answer_is_not_held_by_the_server(start):
+    server = start()
+    mesh = stored(server, SPOT)
+    ask = {"mesh": {"id": mesh["id"]}, "lights": [SUN], "refine": {"max_edge": 0.008},
+           "output": {"format": "npz", "quantities": ["irradiance", "radiance", "normal", "color"]}}
+    relight(server, ask)  # all that is kept for the next is kept
+    server.forget_peak()
+    relight(server, ask)
+    before = server.peak_bytes()
+    ask["output"]["format"] = "json"
+    long = relight(server, ask)
+    assert long.status == 200 and len(long.body) > 20_000_000
+    grown = server.peak_bytes() - before
+    assert server.is_sanitized() or grown < len(long.body), (grown, len(long.body))
 
 
 def test_a_client_that_leaves_amid_an_answer_costs_it_alone(server):

@@ -11,6 +11,7 @@
 
 #include "core/io/writers.h"
 #include "core/io/zip_writer.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

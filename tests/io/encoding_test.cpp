@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <memory>
+#include <semaphore>
+#include <stdexcept>
+#include <thread>
 
 #include "core/io/fields_writer.h"
 #include "core/io/writers.h"
@@ -182,6 +186,84 @@ TEST(BlockOut, TakesPiecesOfAnySizeInOrder)
     expected += std::string(row, 'z');
     EXPECT_TRUE(out.flush());
     EXPECT_EQ(sent, expected);
+}
+
+TEST(BlockOut, FillsTheNextBlockWhileOneIsSent)
+{
+    std::binary_semaphore filled{0};
+    std::size_t calls = 0;
+    const Sink sink = [&](std::string_view) {
+        return ++calls > 1 || filled.try_acquire_for(std::chrono::seconds(30));
+    };
+    BlockOut out(sink);
+    out.room(BlockOut::block_bytes);
+    out.room(1);  // the first is being sent
+    filled.release();
+    EXPECT_TRUE(out.flush());
+    EXPECT_EQ(calls, 2U);
+}
+
+TEST(BlockOut, NeedsNoThreadForWhatFitsInABlock)
+{
+    std::thread::id sender;
+    const Sink sink = [&](std::string_view) {
+        sender = std::this_thread::get_id();
+        return true;
+    };
+    BlockOut out(sink);
+    out.room(BlockOut::block_bytes);
+    EXPECT_TRUE(out.flush());
+    EXPECT_EQ(sender, std::this_thread::get_id());
+}
+
+TEST(BlockOut, CallsNoSinkAgainThatRefusedALargePiece)
+{
+    const std::string large(BlockOut::block_bytes, 'x');
+    std::size_t calls = 0;
+    const Sink sink = [&](std::string_view) { return ++calls < 3; };
+    BlockOut out(sink);
+    out.room(BlockOut::block_bytes);
+    out.bytes("small");
+    out.bytes(large);  // the third call
+    EXPECT_FALSE(out.open());
+    out.bytes("small");
+    EXPECT_FALSE(out.flush());
+    out.bytes(large);
+    EXPECT_FALSE(out.flush());
+    EXPECT_EQ(calls, 3U);
+}
+
+TEST(BlockOut, ThrowsWhatItsSinkThrows)
+{
+    const Mesh mesh = test::full_mesh(many);
+    const Encoding encoding = encode_obj({mesh, {}, {}, {}, {}});
+    const std::size_t blocks = refused_after(encoding, 1000).calls;
+    ASSERT_GE(blocks, 3U);
+    for (std::size_t last = 1; last <= blocks; ++last) {
+        std::size_t calls = 0;
+        const auto throws = [&](std::string_view) {
+            if (++calls == last) { throw std::length_error("full"); }
+            return true;
+        };
+        EXPECT_THROW(encoding.write(throws), std::length_error);
+        EXPECT_EQ(calls, last);
+    }
+}
+
+TEST(BlockOut, EndsWithItsWriter)
+{
+    std::size_t sent = 0;
+    const Sink sink = [&](std::string_view bytes) {
+        sent += bytes.size();
+        return true;
+    };
+    const auto fails = [&] {
+        BlockOut out(sink);
+        for (int block = 0; block < 3; ++block) { out.room(BlockOut::block_bytes); }
+        throw std::runtime_error("amid the third block");
+    };
+    EXPECT_THROW(fails(), std::runtime_error);
+    EXPECT_EQ(sent, 2 * BlockOut::block_bytes);
 }
 
 }  // namespace

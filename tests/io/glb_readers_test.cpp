@@ -18,6 +18,7 @@
 #include "core/io/writers.h"
 #include "tests/io/reader_checks.h"
 #include "tests/shapes.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

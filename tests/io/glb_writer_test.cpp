@@ -11,6 +11,7 @@
 #include "tests/gltf_checks.h"
 #include "tests/io/reader_checks.h"
 #include "tests/shapes.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

@@ -4,6 +4,7 @@
 #include "core/display/display.h"
 #include "core/io/writers.h"
 #include "tests/io/cloud_checks.h"
+#include "tests/written.h"
 
 namespace relight::test {
 namespace {

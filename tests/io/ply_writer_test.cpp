@@ -5,6 +5,7 @@
 #include "core/display/display.h"
 #include "core/io/writers.h"
 #include "tests/io/reader_checks.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "tests/io/full_mesh.h"
 #include "tests/io/reader_checks.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "tests/io/full_mesh.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

@@ -9,6 +9,7 @@
 #include "server/import/gltf.h"
 #include "tests/server/gltf_files.h"
 #include "tests/shapes.h"
+#include "tests/written.h"
 
 namespace relight {
 namespace {

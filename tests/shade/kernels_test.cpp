@@ -129,7 +129,7 @@ struct Lighting {
     Scene scene;
     Transport transport;
 
-    std::vector<Rgbf> radiance(const Stage& stage, unsigned threads = 1) const
+    UnsetVector<Rgbf> radiance(const Stage& stage, unsigned threads = 1) const
     {
         Progress progress;
         return shade(stage, transport, scene, {true, false, false, threads}, progress).radiance;
@@ -446,6 +446,58 @@ TEST(Kernels, AVertexAloneHasTheBytesThatItHasAmongOthers)
             }
         }
     });
+}
+
+TEST(Kernels, MoreLightsThanAreTakenTogetherAddUp)
+{
+    Lighting lit = of_f(make_cook_torrance(facets(0.3, 0.3)));
+    const std::size_t vertices = hard_places().mesh->positions.size();
+    for (std::uint64_t l = 1; l < 11;
+         ++l) {  // two groups and a part of one, one of them switched off
+        lit.scene.lights.push_back(test::light_of(PointLight{lamp + random_direction(l, 40), {}},
+                                                  {random(l, 42), 1.0, 2.0}));
+        lit.transport.columns.push_back(l == 5 ? nullptr : random_column(l, vertices, 1, false));
+        lit.transport.drawn.push_back(nullptr);
+    }
+    on_every_target(
+        [&](const char* target) { expect_near_scalar(hard_places(), lit, 8.0, target); });
+}
+
+TEST(Kernels, WithoutLightsAMaterialShowsItsGlowAndNothingElse)
+{
+    Lighting lit;
+    MetallicRoughness glowing;
+    glowing.emissive = {1.0, 0.5, 0.1};
+    lit.scene.materials = {glowing};
+    on_every_target([&](const char* target) {
+        for (const Rgbf& L : lit.radiance(hard_places())) {
+            EXPECT_EQ(L, to_float(glowing.emissive)) << target;
+        }
+    });
+    lit.scene.materials = {make_cook_torrance(facets(0.3, 0.3))};
+    on_every_target([&](const char* target) {
+        for (const Rgbf& L : lit.radiance(hard_places())) { EXPECT_EQ(L, Rgbf{}) << target; }
+    });
+}
+
+TEST(Kernels, OfSeveralMaterialsInTurnsEachKeepsItsColour)
+{
+    Mesh mesh = test::grid(40);
+    for (std::size_t face = 0; face < mesh.faces.count(); ++face) {
+        mesh.face_materials.push_back(static_cast<std::uint32_t>(face / 700 % 4));  // long runs
+    }
+    mesh.materials.resize(4);
+    const Stage stage = test::staged(mesh);
+    Lighting lit = of_many(stage, Lambert{});
+    CookTorrance red = facets(0.3, 0.3), green = red;
+    red.albedo = {0.8, 0.1, 0.2};
+    green.albedo = {0.1, 0.7, 0.3};
+    MetallicRoughness glowing;
+    glowing.emissive = {1.0, 0.5, 0.1};
+    lit.scene.materials = {make_cook_torrance(red), glowing, make_cook_torrance(green),
+                           Lambert{{0.2, 0.4, 0.6}}};
+    lit.scene.material_of_group = {0, 1, 2, 3};
+    expect_near_scalar(stage, lit, 8.0, "four materials in turns");
 }
 
 TEST(Kernels, EachVertexHasItsOwnMaterialColourAndGlow)

@@ -20,7 +20,7 @@ std::vector<std::uint32_t> sharp_of(const Mesh& mesh, const Surface& surface,
 
 struct Lit {
     Stage stage;
-    std::vector<Rgbf> irradiance;
+    UnsetVector<Rgbf> irradiance;
     std::vector<std::uint32_t> sharp;
 
     Lit(Mesh mesh, LightShape shape) : stage(test::staged(std::move(mesh)))

@@ -66,6 +66,44 @@ TEST(Nearest, ManyAtOnceAreTheSameAsOneByOneToTheLastBit)
     }
 }
 
+TEST(Nearest, RaysFromOnePlaceMeetWhatEachMeetsAlone)  // a camera's are traced as packets
+{
+    Numbers numbers;
+    Mesh cloud = test::icosphere(3);
+    cloud.faces = {};
+    for (const Point3 p : cloud.positions) { cloud.normals.push_back(Point3{} - p); }
+    Mesh twice = test::latlong_sphere(20, 40);  // every face filed twice
+    const std::vector<std::uint32_t> once = twice.faces.indices;
+    twice.faces.indices.insert(twice.faces.indices.end(), once.begin(), once.end());
+    for (const Mesh& mesh : {twice, test::box({-1, -2, -3}, {3, 2, 1}), cloud}) {
+        const Model model(mesh);
+        for (const Point3 eye : {Point3{0.1, 0.2, -0.3}, Point3{0.01, 0.5, 0.2}}) {
+            std::vector<ShadowRay> rays;
+            for (int k = 0; k < 3000; ++k) {
+                rays.push_back({eye, numbers.direction(), 0.0, far});
+                rays.push_back({eye, numbers.direction(), 0.0, numbers.in(0.0, 2.0)});
+                rays.push_back({eye, numbers.direction(), numbers.in(0.0, 2.0), far});
+            }
+            for (const Point3 p : mesh.positions) {  // corners, and edges
+                const Point3 q = p + (mesh.positions[0] - p) * numbers.in(0.0, 1.0);
+                rays.push_back({eye, normalize(p - eye), 0.0, far});
+                rays.push_back({eye, normalize(q - eye), 0.0, far});
+            }
+            const std::vector<Hit> hits = model.nearest(rays);
+            std::size_t met = 0;
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                const Hit one = model.nearest({rays[i]})[0];
+                ASSERT_EQ(one.primitive == ~0U, hits[i].primitive == ~0U) << i;
+                EXPECT_NEAR(one.distance, hits[i].distance, 1e-12);
+                if (i < 9000) { EXPECT_EQ(one.primitive, hits[i].primitive) << i; }
+                met += one.primitive != ~0U ? 1 : 0;
+            }
+            EXPECT_GT(met, rays.size() / 3);
+            EXPECT_LT(met, rays.size());
+        }
+    }
+}
+
 TEST(Nearest, WhatIsMetIsWhatBlocks)
 {
     Numbers numbers;

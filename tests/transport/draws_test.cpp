@@ -185,48 +185,168 @@ TEST(Draws, FewLanesAreTheSameAsMany)
     }
 }
 
-TEST(Draws, ASkysDirectionsAreThoseOfItsView)
+/// Lanes of a sky that a receiver draws, and what is seen along them, beside its view's.
+void expect_the_views_sky(const LightShape& shape, const Dome& dome)
 {
-    Image image{16, 8, {}, {}};
-    for (int i = 0; i < 128; ++i) {
-        const float L = static_cast<float>(uniform(3, static_cast<std::uint64_t>(i), 0, 0));
-        image.pixels.push_back({L, 2.0F * L, i % 7 == 0 ? 9.0F : 0.0F});
-    }
-    const LightShape shapes[] = {
-        EnvironmentLight{std::make_shared<const EnvironmentMap>(std::move(image)), 0.7},
-        make_sky(normalize({0.5, 0.7, 0.3}), 3.0)};
     const Stage stage = test::staged(test::icosphere(2));
     const Receiver receiver = receiver_at({0, 0, 1.5}, normalize({0.1, 1.0, 0.3}));
     const Sequence sequence(1, 5, 2, 0);
-    for (const LightShape& shape : shapes) {
-        const auto* sky = std::get_if<SkyLight>(&shape);
-        const Dome dome =
-            sky != nullptr ? dome_of(*sky) : dome_of(std::get<EnvironmentLight>(shape));
-        const LightView seen = view(shape, receiver.p);
-        ShadowStream stream(*stage.bvh);
-        Brought E;
-        DomeLanes looked;
-        const std::vector<Asker<DomeDirections>> askers(3, {{&dome}, &receiver, sequence});
-        const Lanes lanes = lanes_of(8, 0, 8)[0];
-        draw<DomeDirections>(askers, *stage.bvh, {}, 0, lanes, stream, E);
-        ASSERT_EQ(stream.size(), 3 * lanes.count);
-        for (unsigned slot = 0; slot < stream.size(); ++slot) {
-            const Vec3 wi = ray_of(stream, slot).direction;
-            looked.x[slot] = wi.x, looked.y[slot] = wi.y, looked.z[slot] = wi.z;
+    const LightView sky = view(shape, receiver.p);
+    ShadowStream stream(*stage.bvh);
+    Brought E;
+    DomeLanes drawn, looked;
+    std::fill(std::begin(drawn.pick), std::end(drawn.pick), 2.0);  // what is not drawn
+    const std::vector<Asker<DomeDirections>> askers(3, {{&dome, &drawn}, &receiver, sequence});
+    const Lanes lanes = lanes_of(8, 0, 8)[0];
+    draw<DomeDirections>(askers, *stage.bvh, {}, 0, lanes, stream, E);
+    ASSERT_EQ(stream.size(), 3 * lanes.count);
+    for (unsigned slot = 0; slot < stream.size(); ++slot) {
+        const Vec3 wi = ray_of(stream, slot).direction;
+        looked.x[slot] = wi.x, looked.y[slot] = wi.y, looked.z[slot] = wi.z;
+    }
+    look(dome, stream.size(), looked);
+    for (unsigned slot = 0; slot < stream.size(); ++slot) {
+        const unsigned i = slot % lanes.count;
+        const Sequence own = sequence.replicate(lanes.replicate[i]);
+        const LightSample there =
+            sample(sky, own.at(lanes.point[i], 0), own.at(lanes.point[i], 1).u);
+        ASSERT_TRUE(there.wi);
+        EXPECT_LE(length(Vec3(ray_of(stream, slot).direction) - there.wi), 1e-15);
+        for (const SeenLanes* seen : {&drawn.seen, &looked.seen}) {
+            EXPECT_NEAR(seen->pdf[slot], there.pdf, 1e-14 * there.pdf);
+            EXPECT_NEAR(seen->red[slot], there.L.r, 1e-14 * there.L.r);
+            EXPECT_NEAR(seen->green[slot], there.L.g, 1e-14 * there.L.g);
+            EXPECT_NEAR(seen->blue[slot], there.L.b, 1e-14 * there.L.b);
         }
-        look(dome, stream.size(), looked);
-        for (unsigned slot = 0; slot < stream.size(); ++slot) {
-            const unsigned i = slot % lanes.count;
-            const Sequence own = sequence.replicate(lanes.replicate[i]);
-            const LightSample there =
-                sample(seen, own.at(lanes.point[i], 0), own.at(lanes.point[i], 1).u);
-            EXPECT_LE(length(Vec3(ray_of(stream, slot).direction) - there.wi), 1e-15);
-            EXPECT_NEAR(looked.pdf[slot], there.pdf, 1e-14 * there.pdf);
-            EXPECT_NEAR(looked.L[slot].g, there.L.g, 1e-14 * there.L.g);
-            const double cos_i = std::max(0.0, dot(receiver.frame.n, there.wi));
-            EXPECT_NEAR(E[slot], cos_i, 1e-15);
-            expect_as_put(stream, slot, *stage.bvh, E[slot] == 0.0);
+        const double cos_i = std::max(0.0, dot(receiver.frame.n, there.wi));
+        EXPECT_NEAR(E[slot], cos_i, 1e-15);
+        expect_as_put(stream, slot, *stage.bvh, E[slot] == 0.0);
+    }
+    // Anywhere else too: below the horizon, along the axes, at the rim of the sun's disc.
+    std::vector<Dir3> ways{normalize({0, 1, 0}),  normalize({0, -1, 0}), normalize({1, 0, 0}),
+                           normalize({-1, 0, 0}), normalize({0, 0, 1}),  normalize({0, 0, -1})};
+    for (std::uint64_t item = 0; item < 500; ++item) {
+        ways.push_back(normalize(Number{item}.vector(1.0)));
+        const Vec3 aside = Number{item + 1000}.vector(0.006);
+        ways.push_back(normalize(Vec3(normalize({0.5, 0.7, 0.3})) + aside));
+    }
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        looked.x[i] = ways[i].x(), looked.y[i] = ways[i].y(), looked.z[i] = ways[i].z();
+    }
+    look(dome, ways.size(), looked);
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+        const LightSample there = look(sky, ways[i]);
+        EXPECT_NEAR(looked.seen.pdf[i], there.pdf, 1e-14 * there.pdf);
+        EXPECT_NEAR(looked.seen.red[i], there.L.r, 1e-14 * there.L.r);
+        EXPECT_NEAR(looked.seen.green[i], there.L.g, 1e-14 * there.L.g);
+        EXPECT_NEAR(looked.seen.blue[i], there.L.b, 1e-14 * there.L.b);
+    }
+}
+
+EnvironmentLight motley_sky(double rotation, float least)
+{
+    Image image{16, 8, {}, {}};
+    for (int i = 0; i < 128; ++i) {
+        const float L = least + static_cast<float>(uniform(3, static_cast<std::uint64_t>(i), 0, 0));
+        image.pixels.push_back({L, 2.0F * L, least == 0.0F && i % 7 == 0 ? 9.0F : 0.0F});
+    }
+    return {std::make_shared<const EnvironmentMap>(std::move(image)), rotation};
+}
+
+TEST(Draws, AMapsDirectionsAreThoseOfItsView)
+{
+    const EnvironmentLight uneven = motley_sky(0.7, 0.0F), even = motley_sky(-2.0, 5.0F);
+    ASSERT_FALSE(uneven.map->is_even());
+    ASSERT_TRUE(even.map->is_even());
+    expect_the_views_sky(uneven, dome_of(uneven));
+    expect_the_views_sky(even, dome_of(even));
+}
+
+TEST(Draws, ASkysDirectionsAreThoseOfItsView)
+{
+    const SkyLight whole = make_sky(normalize({0.5, 0.7, 0.3}), 3.0);
+    expect_the_views_sky(whole, dome_of(whole));
+    SkyLight sunless = whole;
+    sunless.sun_E_perp = {};
+    expect_the_views_sky(sunless, dome_of(sunless));
+    SkyLight sun_alone = whole;
+    sun_alone.dome = nullptr;
+    expect_the_views_sky(sun_alone, dome_of(sun_alone));
+    SkyLight sun_in_the_dark = whole;
+    sun_in_the_dark.dome =
+        std::make_shared<const EnvironmentMap>(Image{4, 2, std::vector<Rgbf>(8), {}});
+    expect_the_views_sky(sun_in_the_dark, dome_of(sun_in_the_dark));
+}
+
+/// A ball of shining faces, of many colours.
+EmitterTable shining_ball(Vec3 centre)
+{
+    const Mesh ball = test::icosphere(1);
+    std::vector<Emitter> emitters;
+    for (std::uint32_t t = 0; t < ball.faces.count(); ++t) {
+        Emitter emitter{{}, t, {1.0 + t, 0.5, 2.0}};
+        for (std::size_t c = 0; c < 3; ++c) {
+            emitter.corners[c] = ball.positions[ball.faces.indices[3 * t + c]] + centre;
         }
+        emitters.push_back(emitter);
+    }
+    return EmitterTable(std::move(emitters));
+}
+
+/// Slots of lanes drawn beside `expected(i)`, the scalar functions' sample of the i-th lane.
+template <class View, class Expected>
+void expect_the_faces(const View& view, const MeshLanes& drawn, const Receiver& receiver,
+                      const Stage& stage, const TransportOptions& options, const Sequence& sequence,
+                      const Expected& expected)
+{
+    const Bvh& bvh = *stage.bvh;
+    const std::vector<Asker<View>> askers(3, {view, &receiver, sequence});
+    const Lanes lanes = lanes_of(8, 1, 9)[0];
+    ShadowStream stream(bvh);
+    Brought E;
+    draw<View>(askers, bvh, options, 2, lanes, stream, E);
+    ASSERT_EQ(stream.size(), 3 * lanes.count);
+    for (unsigned slot = 0; slot < stream.size(); ++slot) {
+        const unsigned i = slot % lanes.count;
+        const LightSample there = expected(sequence.replicate(lanes.replicate[i]), lanes.point[i]);
+        const double cos_n = dot(receiver.frame.n, there.wi);
+        const double cos_i = options.two_sided ? std::abs(cos_n) : std::max(0.0, cos_n);
+        ASSERT_NEAR(E[slot], there.wi ? cos_i : 0.0, 1e-12);
+        expect_as_put(stream, slot, bvh, E[slot] == 0.0);
+        if (!(E[slot] > 0.0)) { continue; }
+        ASSERT_EQ(drawn.seen.L(slot), there.L);
+        ASSERT_NEAR(drawn.seen.pdf[slot], there.pdf, 1e-11 * there.pdf);
+        const ShadowRay ray = ray_of(stream, slot);
+        const ShadowRay aimed =
+            shadow_ray(bvh, receiver, there.wi, short_of_face(bvh, there.distance), options);
+        ASSERT_EQ(ray.origin, aimed.origin);
+        ASSERT_LE(length(Vec3(ray.direction) - aimed.direction), 1e-11);
+        ASSERT_NEAR(ray.distance, aimed.distance, 1e-11 * aimed.distance);
+    }
+}
+
+TEST(Draws, ShiningFacesAreThoseOfTheirTable)
+{
+    const Stage stage = test::staged(test::icosphere(2));
+    const EmitterTable faces = shining_ball({0.3, 2.0, 1.0});
+    for (std::uint64_t item = 0; item < 60; ++item) {
+        Number number{item};
+        TransportOptions options;
+        options.two_sided = item % 3 == 0;
+        const Receiver receiver = receiver_at(Point3{0, 0, 1.5} + number.vector(0.4),
+                                              normalize(number.vector(1.0) + Vec3{0, 1, 0}));
+        const Sequence sequence(1, item, 2, 0);
+        MeshLanes drawn;
+        expect_the_faces(MeshDirections{&faces, &drawn}, drawn, receiver, stage, options, sequence,
+                         [&](const Sequence& own, unsigned point) {
+                             return faces.sample(receiver.p, own.at(point, 2), own.at(point, 3).u);
+                         });
+        const CosineView cosine(receiver.frame, options.two_sided);
+        expect_the_faces(MeshCosines{cosine, &faces, &drawn}, drawn, receiver, stage, options,
+                         sequence, [&](const Sequence& own, unsigned point) {
+                             const Dir3 wi = cosine.sample_direction(own.at(point, 2)).wi;
+                             return faces.look_along(ray_start(receiver, wi), receiver.p, wi);
+                         });
     }
 }
 
