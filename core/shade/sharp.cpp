@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "core/base/unset.h"
 #include "core/base/vectors.h"
 
 // CMakeLists.txt has this file optimised for vectors.
@@ -18,7 +19,7 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
 {
     constexpr float lit_at_all = 1e-3F;  // of the brightest
     constexpr std::size_t block = 1 << 14;
-    std::vector<float> E(irradiance.size());
+    UnsetVector<float> E(irradiance.size());
     std::vector<std::uint32_t> brightest_of(E.size() / block + 1);  // each block; as bits, whose
                                                                     // order is that of the numbers
     parallel_for(E.size(), block, threads, progress, [&](std::size_t begin, std::size_t end) {

@@ -76,8 +76,8 @@ class Bvh {
     /// (the two sides of an edge, a face filed twice) the one of the lowest index.
     Hit nearest(Point3 origin, Dir3 direction, double from = 0.0) const;
 
-    /// hits[i] = the nearest thing on rays[i], the same as asked for one by one; but where rays from
-    /// one place go through the very edge of two faces, floats may know another of the two.
+    /// hits[i] = the nearest thing on rays[i], the same as asked for one by one; but where rays
+    /// from one place go through the very edge of two faces, floats may know another of the two.
     void nearest(std::span<const ShadowRay> rays, std::span<Hit> hits) const;
 
     /// The points of a cloud whose discs the ray meets, ascending. Costs about one `nearest`.

@@ -103,39 +103,14 @@ inline std::size_t askers_a_stream(const Lanes& lanes)
     return ShadowStream::capacity / lanes.count;
 }
 
-/// Draws the light that each asker sees, the pair `pair` of the sequence's
-/// replicates, and puts shadow rays as shadow_ray() would make them into the stream (which is
-/// empty): asker after asker, each in the order of the lanes. In vectors as wide as the processor
-/// has; the same on any: every lane is what the scalar functions of light/ and base/ give (but see
-/// RectDirections), and aimed as shadow_ray() does. Test: Draws.*
+/// Draws the light that each asker sees, the pair `pair` of the sequence's replicates, and puts
+/// shadow rays as shadow_ray() would make them into the stream (which is empty): asker after asker,
+/// each in the order of the lanes. In vectors as wide as the processor has; the same on any: every
+/// lane is what the scalar functions of light/ and base/ give (but see RectDirections), and aimed
+/// as shadow_ray() does. Test: Draws.*
 /// @param askers no more than askers_a_stream()
 template <class View>
 void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOptions& options,
           std::uint32_t pair, const Lanes& lanes, ShadowStream& stream, Brought& E);
-
-extern template void draw(std::span<const Asker<RectDirections>>, const Bvh&,
-                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
-                          Brought&);
-extern template void draw(std::span<const Asker<RectView>>, const Bvh&, const TransportOptions&,
-                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
-extern template void draw(std::span<const Asker<DiskView>>, const Bvh&, const TransportOptions&,
-                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
-extern template void draw(std::span<const Asker<SphereView>>, const Bvh&, const TransportOptions&,
-                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
-extern template void draw(std::span<const Asker<SunView>>, const Bvh&, const TransportOptions&,
-                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
-extern template void draw(std::span<const Asker<CosineView>>, const Bvh&, const TransportOptions&,
-                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
-extern template void draw(std::span<const Asker<CosineDirections>>, const Bvh&,
-                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
-                          Brought&);
-extern template void draw(std::span<const Asker<DomeDirections>>, const Bvh&,
-                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
-                          Brought&);
-extern template void draw(std::span<const Asker<MeshDirections>>, const Bvh&,
-                          const TransportOptions&, std::uint32_t, const Lanes&, ShadowStream&,
-                          Brought&);
-extern template void draw(std::span<const Asker<MeshCosines>>, const Bvh&, const TransportOptions&,
-                          std::uint32_t, const Lanes&, ShadowStream&, Brought&);
 
 }  // namespace relight
