@@ -1,6 +1,8 @@
 """Prints Google Benchmark's JSON as a Markdown table: what, its times and rate, and beside it each
 yardstick with the ratio of the rates (1: as fast as the yardstick; more is faster).
 
+    table.py FILE [--brief]    --brief: all threads alone, and of Embree's patterns the fastest alone
+
 A benchmark is named "what[ beside yardstick]/vertices[/threads]/real_time" (sizes.h); the median of
 its repetitions counts.
 """
@@ -40,6 +42,14 @@ def medians(runs):
             for key, row in samples.items()}
 
 
+def brief(table):
+    def kept(row):
+        patterns = [name for name in row if name.endswith("Morton order")]
+        slower = sorted(patterns, key=lambda name: row[name][max(row[name])][1])[:-1]
+        return {name: sizes for name, sizes in row.items() if name not in slower}
+    return {key: kept(row) for key, row in table.items() if key[1] != "1"}
+
+
 def number(value):
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
@@ -75,13 +85,15 @@ def main():
     # Interleaving reports runs as they came: back into the order they are written in.
     runs = sorted(report["benchmarks"], key=lambda run: (run["family_index"],
                                                          run["per_family_instance_index"]))
-    table = list(lines(medians(runs)))
+    table = medians(runs)
+    if "--brief" in sys.argv[2:]:
+        table = brief(table)
     context = report["context"]
     load = context.get("load_avg", [])
     print(f"{context['num_cpus']} cores at {context['mhz_per_cpu']} MHz; load before "
           f"{load[0] if load else '?'}. Rates are of the largest size. `ours : it` is ours over the "
           "yardstick's speed in the same run, 100k / 1M: 1 is as fast, more is faster.\n")
-    for line in table:
+    for line in lines(table):
         print("| " + " | ".join(line) + " |")
 
 

@@ -286,7 +286,8 @@ EmitterTable shining_ball(Vec3 centre)
     for (std::uint32_t t = 0; t < ball.faces.count(); ++t) {
         Emitter emitter{{}, t, {1.0 + t, 0.5, 2.0}};
         for (std::size_t c = 0; c < 3; ++c) {
-            emitter.corners[c] = ball.positions[ball.faces.indices[3 * t + c]] + centre;
+            emitter.corners[c] =
+                ball.positions[ball.faces.indices[std::size_t{3} * t + c]] + centre;
         }
         emitters.push_back(emitter);
     }
