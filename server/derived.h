@@ -11,7 +11,7 @@ namespace relight {
 struct Derived {
     std::shared_ptr<const Lit> lit;
     Display display;
-    std::vector<Rgb8> color;
+    UnsetVector<Rgb8> color;
     std::vector<std::vector<float>> visible;       ///< a light: V, or empty
     std::vector<std::vector<float>> coefficients;  ///< of sh, one by one: V
     std::vector<float> normals;                    ///< V x 3

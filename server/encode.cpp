@@ -100,10 +100,27 @@ Result<Encoding> new_glb(const LitMesh& out)
                       "/output/format");
 }
 
+/// JSON that fits in one block is written at once: so its length is known before it is sent. Of a
+/// larger mesh it is not tried.
+Encoding short_or_streamed(Encoding json, std::size_t vertices)
+{
+    constexpr std::size_t few = 4096;
+    if (vertices > few) { return json; }
+    std::string text;
+    const bool is_short = json.write([&](std::string_view bytes) {
+        text += bytes;
+        return text.size() <= BlockOut::block_bytes;
+    });
+    return is_short ? sent_whole(std::move(text)) : json;
+}
+
 /// `derived` must outlive it.
 Result<Encoding> answer_in(Format format, const Derived& derived, const Output& output, bool last)
 {
-    if (format == Format::Json) { return json_answer(derived, output.quantities); }
+    if (format == Format::Json) {
+        return short_or_streamed(json_answer(derived, output.quantities),
+                                 derived.lit->stage.mesh->positions.size());
+    }
     if (format == Format::Fields) { return fields_answer(derived, output, last); }
     const std::vector<std::byte>& source = derived.lit->source;
     const LitMesh out = lit_mesh(derived, output.quantities, format);

@@ -67,7 +67,8 @@ ParsedOptions parse_options(int argc, const char* const* argv)
     add(app, "--max-vertices", o.parse.vertices, "vertices of a mesh");
     add(app, "--max-faces", o.parse.faces, "faces of a mesh");
     add(app, "--max-lights", o.parse.lights, "lights of a request");
-    add(app, "--max-pixels", o.parse.pixels, "pixels of an image");
+    add(app, "--max-pixels", o.parse.pixels, "pixels of an image")
+        ->check(CLI::Range(1, 100'000'000));  // EnvironmentMap counts no more
     add(app, "--max-rays", o.max_rays, "rays one job may ask for");
     add(app, "--max-head-bytes", o.guard.head.bytes, "bytes of a request's head; more get 431");
     add(app, "--max-connections", o.guard.connections, "connections at once; more get 503");

@@ -22,16 +22,6 @@ std::string canonical(std::string_view json)
                : tree.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-std::string sha256(const Encoding& body)
-{
-    Sha256 hash;
-    body.write([&](std::string_view bytes) {
-        hash.add(bytes);
-        return true;
-    });
-    return hash.hex();
-}
-
 /// The content that a request's mesh is named by; empty for one that stands in the request.
 std::string mesh_id(const RelightRequest& request, const std::vector<Part>& parts)
 {
@@ -58,40 +48,63 @@ std::string request_digest(std::string_view json, const std::vector<Part>& parts
     return relight::sha256(all.append(canonical(json)));
 }
 
-std::string receipt_json(const RelightRequest& request, const std::vector<Part>& parts, Units units,
-                         std::string_view digest, const Encoding& body)
+std::string Receipt::json(std::string_view result_sha256) const
 {
-    const Scene& scene = request.scene;
-    ObjectWriter receipt;
-    receipt.text("request_sha256", digest);
-    const std::string mesh = mesh_id(request, parts);
-    if (!mesh.empty()) { receipt.text("mesh_sha256", mesh); }
-    return receipt.text("result_sha256", sha256(body))
-        .count("seed", scene.transport.seed)
-        .count("samples", scene.transport.samples)
-        .count("bounces", scene.transport.bounces)
-        .number("length_unit_m", scene.length_unit_m)
-        .text("units", units == Units::Photometric ? "photometric" : "radiometric")
-        .text("relight", RELIGHT_VERSION)
-        .text("rays", Bvh::kernel())
-        .done();
+    return '{' + inputs + R"(,"result_sha256":)" + json_string(result_sha256) + ',' + settings +
+           '}';
 }
 
-Encoding with_receipt(Encoding json, std::string_view receipt)
+Receipt receipt_of(const RelightRequest& request, const std::vector<Part>& parts, Units units,
+                   std::string_view digest)
 {
-    return {0, [json = std::move(json),
-                end = ",\"receipt\":" + std::string(receipt) + '}'](const Sink& sink) {
-                BlockOut out(sink);
-                std::string held;  // the last byte so far: of all, it is the brace that gives way
-                json.write([&](std::string_view bytes) {
-                    out.bytes(held);
-                    held = bytes.back();
-                    out.bytes(bytes.substr(0, bytes.size() - 1));
-                    return out.open();
-                });
-                out.bytes(end);
-                return out.flush();
-            }};
+    const Scene& scene = request.scene;
+    Receipt receipt;
+    receipt.inputs = R"("request_sha256":)" + json_string(digest);
+    const std::string mesh = mesh_id(request, parts);
+    if (!mesh.empty()) { receipt.inputs += R"(,"mesh_sha256":)" + json_string(mesh); }
+    const std::string settings =
+        ObjectWriter()
+            .count("seed", scene.transport.seed)
+            .count("samples", scene.transport.samples)
+            .count("bounces", scene.transport.bounces)
+            .number("length_unit_m", scene.length_unit_m)
+            .text("units", units == Units::Photometric ? "photometric" : "radiometric")
+            .text("relight", RELIGHT_VERSION)
+            .text("rays", Bvh::kernel())
+            .done();
+    receipt.settings = settings.substr(1, settings.size() - 2);
+    return receipt;
+}
+
+std::string sha256(const Encoding& body)
+{
+    Sha256 hash;
+    body.write([&](std::string_view bytes) {
+        hash.add(bytes);
+        return true;
+    });
+    return hash.hex();
+}
+
+Encoding with_receipt(Encoding json, Receipt receipt)
+{
+    const bool is_short = json.bytes > 0;
+    Encoding both{0, [json = std::move(json), receipt = std::move(receipt)](const Sink& sink) {
+                      BlockOut out(sink);
+                      Sha256 hash;
+                      std::string held;  // the last byte so far: of all, the brace that gives way
+                      json.write([&](std::string_view bytes) {
+                          hash.add(bytes);
+                          out.bytes(held);
+                          held = bytes.back();
+                          out.bytes(bytes.substr(0, bytes.size() - 1));
+                          return out.open();
+                      });
+                      if (!out.open()) { return false; }
+                      out.bytes(R"(,"receipt":)" + receipt.json(hash.hex()) + '}');
+                      return out.flush();
+                  }};
+    return is_short ? sent_whole(whole(both)) : both;
 }
 
 bool names_tag(std::string_view header, std::string_view tag)

@@ -19,11 +19,18 @@ std::string request_digest(std::string_view json, const std::vector<Part>& parts
 
 /// What a result can be checked by: hashes of the request (request_digest()), of the mesh and of
 /// the result, seed and samples, units, versions.
-std::string receipt_json(const RelightRequest& request, const std::vector<Part>& parts, Units units,
-                         std::string_view digest, const Encoding& body);
+struct Receipt {
+    std::string inputs, settings;  ///< the members before and behind the result's hash
 
-/// A JSON answer with its receipt as its last member.
-Encoding with_receipt(Encoding json, std::string_view receipt);
+    std::string json(std::string_view result_sha256) const;
+};
+Receipt receipt_of(const RelightRequest& request, const std::vector<Part>& parts, Units units,
+                   std::string_view digest);
+
+std::string sha256(const Encoding& body);
+
+/// A JSON answer with its receipt as its last member; the result's hash is made on the way.
+Encoding with_receipt(Encoding json, Receipt receipt);
 
 /// Whether an If-None-Match header (RFC 9110, 13.1.2) names this entity tag.
 bool names_tag(std::string_view header, std::string_view tag);

@@ -101,15 +101,21 @@ void set_headers(const Encoded& encoded, httplib::Response& response)
 /// happened.
 bool write(const Encoding& body, httplib::DataSink& sink, Log& log) noexcept
 {
+    std::uint64_t sent = 0;  // another thread may call the sink
+    bool whole = false;
     try {
-        return body.write(
-            [&](std::string_view bytes) { return sink.write(bytes.data(), bytes.size()); });
+        whole = body.write([&](std::string_view bytes) {
+            const bool taken = sink.write(bytes.data(), bytes.size());
+            if (taken) { sent += bytes.size(); }
+            return taken;
+        });
     } catch (const std::exception& error) {  // outside the library's own try
         log.message(error.what());
     } catch (...) {
         log.message("an answer failed while it was sent");
     }
-    return false;
+    bytes_sent += sent;
+    return whole;
 }
 
 /// One answer, while it is encoded. Text whose length nobody knows yet goes in chunks, which
@@ -311,12 +317,11 @@ void relight_posted(const httplib::Request& request, httplib::Response& response
         return send_progressively(std::move(job), stages, std::move(*encoded), response, state);
     }
     if (job->request.receipt && purpose == Purpose::Relight) {
-        const std::string receipt =
-            receipt_json(job->request, job->posted.parts, encoded->units, digest, encoded->body);
+        Receipt receipt = receipt_of(job->request, job->posted.parts, encoded->units, digest);
         if (job->format == Format::Json) {
-            encoded->body = with_receipt(std::move(encoded->body), receipt);
+            encoded->body = with_receipt(std::move(encoded->body), std::move(receipt));
         } else {
-            response.set_header("Relight-Receipt", receipt);
+            response.set_header("Relight-Receipt", receipt.json(sha256(encoded->body)));
         }
     }
     send(std::move(*encoded), request, response, state.log);

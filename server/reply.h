@@ -2,6 +2,7 @@
 
 #include <httplib.h>
 
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <string>
@@ -12,6 +13,9 @@
 #include "server/routes.h"
 
 namespace relight {
+
+/// Of the body that this connection's thread sends, piece by piece: the log tells it.
+inline thread_local std::uint64_t bytes_sent = 0;
 
 void reply(httplib::Response& response, const Error& error);
 void reply_json(httplib::Response& response, int status, std::string json);

@@ -125,13 +125,14 @@ void add_logging(GuardedServer& server, ServerState& state)
     server.set_pre_routing_handler(
         [](const httplib::Request& request, httplib::Response& response) {
             request_start = Clock::now();
+            bytes_sent = 0;
             return turned_away(request, response) ? httplib::Server::HandlerResponse::Handled
                                                   : httplib::Server::HandlerResponse::Unhandled;
         });
     server.set_logger([&state](const httplib::Request& request, const httplib::Response& response) {
         const std::chrono::duration<double, std::milli> took = Clock::now() - request_start;
         state.log.access({request.remote_addr, request.method, request.path, response.status,
-                          response.body.empty() ? response.content_length_ : response.body.size(),
+                          response.body.empty() ? bytes_sent : response.body.size(),
                           std::round(took.count() * 100.0) / 100.0});
     });
 }

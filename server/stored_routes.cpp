@@ -157,7 +157,11 @@ void send_content(const Kind& kind, const std::string& id, httplib::Response& re
         try {
             std::vector<std::byte> piece(std::min(length, piece_bytes));
             const std::size_t read = file->read_at(offset, piece);
-            return read > 0 && sink.write(reinterpret_cast<const char*>(piece.data()), read);
+            if (read == 0 || !sink.write(reinterpret_cast<const char*>(piece.data()), read)) {
+                return false;
+            }
+            bytes_sent += read;
+            return true;
         } catch (...) {  // outside the library's own try
             return false;
         }

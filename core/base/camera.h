@@ -35,25 +35,53 @@ inline CameraAxes axes(const Camera& camera)
     return {right, normalize(cross(back, right)), back};
 }
 
-/// Direction through the image-plane point (x, y) [pixels, (0,0) the top left corner of the image].
-/// d = ((2x/W - 1) t W/H, (1 - 2y/H) t, -1), t = tan(fov_y / 2). Contract section 9.
-inline Dir3 through_pixel(const CameraAxes& a, double fov_y, int width, int height, double x,
-                          double y)
-{
-    const double t = std::tan(0.5 * fov_y);
-    const double u = (2.0 * x / width - 1.0) * t * width / height;
-    const double v = (1.0 - 2.0 * y / height) * t;
-    return normalize(Vec3(a.right) * u + Vec3(a.up) * v - Vec3(a.back));
-}
+/// Where a picture's pixels lie on the plane at unit distance before the camera: x to the right, y
+/// up, both 0 in the middle; columns and rows are counted from the top left corner [pixels].
+/// x = (2 column/W - 1) t W/H, y = (1 - 2 row/H) t, t = tan(fov_y / 2). Contract section 9.
+struct ImagePlane {
+    double left, top;  ///< of the picture
+    double pixel;      ///< width and height of one
+
+    ImagePlane(double fov_y, int width, int height)
+    {
+        const double t = std::tan(0.5 * fov_y);
+        left = -(t * width / height);
+        top = t;
+        pixel = 2.0 * t / height;
+    }
+    double x(double column) const { return left + pixel * column; }
+    double y(double row) const { return top - pixel * row; }
+};
+
+/// Directions through a picture's places: what all share is computed once.
+class PixelRays {
+  public:
+    PixelRays(const Camera& camera, int width, int height)
+    {
+        const CameraAxes a = axes(camera);
+        const ImagePlane plane(camera.fov_y, width, height);
+        across_ = Vec3(a.right) * plane.pixel;
+        down_ = Vec3(a.up) * -plane.pixel;
+        corner_ = Vec3(a.up) * plane.top + Vec3(a.right) * plane.left - Vec3(a.back);
+    }
+    /// (0, 0): the top left corner; a pixel's middle is half a pixel on.
+    Dir3 through(double column, double row) const
+    {
+        return normalize(corner_ + across_ * column + down_ * row);
+    }
+
+  private:
+    Vec3 across_, down_;  // a pixel
+    Vec3 corner_;         // the top left
+};
 
 /// Solid angle of a pixel [sr]: of its corners on the plane at unit distance, by
 /// omega(x, y) = atan(x y / sqrt(1 + x^2 + y^2)) inclusion-exclusion. Contract section 9.
 inline double pixel_solid_angle(double fov_y, int width, int height, int x, int y)
 {
-    const double t = std::tan(0.5 * fov_y);
+    const ImagePlane plane(fov_y, width, height);
     const auto corner = [&](int i, int j) {
-        const double u = (2.0 * i / width - 1.0) * t * width / height;
-        const double v = (1.0 - 2.0 * j / height) * t;
+        const double u = plane.x(i), v = plane.y(j);
         return std::atan(u * v / std::sqrt(1.0 + u * u + v * v));
     };
     return corner(x + 1, y) - corner(x, y) - corner(x + 1, y + 1) + corner(x, y + 1);

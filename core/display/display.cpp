@@ -171,13 +171,13 @@ Rgb8 to_srgb8(Rgb radiance, const Display& display)
     return {code_of(shown.r), code_of(shown.g), code_of(shown.b)};
 }
 
-std::vector<Rgb8> to_srgb8(std::span<const Rgbf> radiance, const Display& display, unsigned threads,
+UnsetVector<Rgb8> to_srgb8(std::span<const Rgbf> radiance, const Display& display, unsigned threads,
                            Progress& progress)
 {
     static const CodeTable code;
     constexpr std::size_t block = 16384;
     const double scale = exposure_scale(display.exposure_ev);
-    std::vector<Rgb8> codes(radiance.size());
+    UnsetVector<Rgb8> codes(radiance.size());
     if (display.tone_map == ToneMap::None &&
         FloatCodeTable::serves(scale)) {  // each band for itself
         const FloatCodeTable table(code, scale);

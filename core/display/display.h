@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/rgb.h"
+#include "core/base/unset.h"
 
 namespace relight {
 
@@ -40,7 +41,7 @@ double auto_exposure_ev(std::span<const Rgbf> radiance);
 /// exposure -> tone map -> clamp -> sRGB -> 8 bits: the only place where it happens.
 /// Display::auto_exposure must have been resolved into exposure_ev.
 Rgb8 to_srgb8(Rgb radiance, const Display& display);
-std::vector<Rgb8> to_srgb8(std::span<const Rgbf> radiance, const Display& display, unsigned threads,
+UnsetVector<Rgb8> to_srgb8(std::span<const Rgbf> radiance, const Display& display, unsigned threads,
                            Progress& progress);
 
 }  // namespace relight

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "core/io/end_face.h"
 #include "core/io/utf8.h"
 
 namespace relight {
@@ -111,14 +112,7 @@ std::optional<Error> ObjFaces::add()
                                                      std::to_string(limits_.faces) +
                                                      "; send a coarser mesh or one in parts");
     }
-    if (corners != 3 && faces.offsets.empty()) {  // triangles so far
-        for (std::size_t i = 0; i <= count_; ++i) {
-            faces.offsets.push_back(static_cast<std::uint32_t>(3 * i));
-        }
-    }
-    if (!faces.offsets.empty()) {
-        faces.offsets.push_back(static_cast<std::uint32_t>(faces.indices.size()));
-    }
+    end_face(faces, count_, corners);
     ++count_;
     materials_.wear(count_, mesh_);
     return {};

@@ -7,6 +7,7 @@
 #include "core/display/display.h"
 #include "core/geometry/precision.h"
 #include "core/io/coordinate.h"
+#include "core/io/end_face.h"
 #include "core/io/off_header.h"
 #include "core/io/readers.h"
 #include "core/io/utf8.h"
@@ -163,14 +164,7 @@ class OffReader {
         if (faces.indices.size() > 0xFFFFFFFF) {
             return error(Fault::TooManyFaces, "more than 4294967295 corners of faces");
         }
-        if (corners.value != 3 && faces.offsets.empty()) {  // triangles so far
-            for (std::size_t f = 0; f <= filed; ++f) {
-                faces.offsets.push_back(static_cast<std::uint32_t>(3 * f));
-            }
-        }
-        if (!faces.offsets.empty()) {
-            faces.offsets.push_back(static_cast<std::uint32_t>(faces.indices.size()));
-        }
+        end_face(faces, filed, static_cast<std::size_t>(corners.value));
         words_.rest_of_line();
         return {};
     }

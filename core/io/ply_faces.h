@@ -8,6 +8,7 @@
 
 #include "core/base/progress.h"
 #include "core/geometry/mesh.h"
+#include "core/io/end_face.h"
 #include "core/io/ply_source.h"
 
 namespace relight::ply {
@@ -123,15 +124,7 @@ class FaceReader {
     Result<Done> finish_face(std::uint64_t f, std::size_t begin, std::size_t uv_begin)
     {
         const std::size_t corners = mesh_.faces.indices.size() - begin;
-        std::vector<std::uint32_t>& offsets = mesh_.faces.offsets;
-        if (corners != 3 && offsets.empty()) {  // triangles up to here
-            for (std::uint64_t k = 0; k <= f; ++k) {
-                offsets.push_back(static_cast<std::uint32_t>(3 * k));
-            }
-        }
-        if (!offsets.empty()) {
-            offsets.push_back(static_cast<std::uint32_t>(mesh_.faces.indices.size()));
-        }
+        end_face(mesh_.faces, f, corners);
         if (!layout_.corner_uvs) { return Done{}; }
         if (!uvs_.empty() && uvs_.size() != 2 * corners) {
             return source_.error(Fault::MalformedBody,

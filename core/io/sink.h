@@ -24,15 +24,23 @@ struct Encoding {
     std::function<bool(const Sink&)> write;
 };
 
+/// A sink that keeps the bytes. It is done at once: a thread that waited for it would cost more.
+struct Append {
+    std::string* out;
+
+    bool operator()(std::string_view bytes) const
+    {
+        *out += bytes;
+        return true;
+    }
+};
+
 /// All of it as one string.
 inline std::string whole(const Encoding& encoding)
 {
     std::string out;
     out.reserve(encoding.bytes);
-    encoding.write([&](std::string_view bytes) {
-        out += bytes;
-        return true;
-    });
+    encoding.write(Append{&out});
     assert(encoding.bytes == 0 || out.size() == encoding.bytes);
     return out;
 }
@@ -99,7 +107,9 @@ class BlockOut {
     /// Has the block sent, and goes on in the other. What fits in one block needs no thread.
     void hand_over()
     {
-        if (open_ && used_ > 0) {
+        if (sink_.target<Append>() != nullptr) {
+            flush();
+        } else if (open_ && used_ > 0) {
             if (!sender_) { sender_.emplace(sink_); }
             open_ = sender_->send({block_.data(), used_});
             block_.swap(other_);

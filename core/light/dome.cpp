@@ -2,52 +2,163 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/vectors.h"
-#include "core/base/warp.h"
 
 // CMakeLists.txt has this file optimised for vectors.
 
 namespace relight {
-
 namespace {
 
 using Lane = double[DomeLanes::most];
-using Texels = std::array<std::size_t, DomeLanes::most>;
+using Texels = int[DomeLanes::most];
 
-/// How far about the pole of the map the directions lead, 0 to 1: with y, to which texel.
-void find_turns(const Dome& dome, std::size_t count, const DomeLanes& lanes, Lane& turns)
+/// Directions in lanes, from samples, and the texels that they lead to.
+struct Directions {
+    const double *u, *v;
+    double *x, *y, *z;
+    int* texel;
+};
+
+/// The texels that directions lead to.
+void find_texels(const Dome& dome, std::size_t count, const Directions& all)
 {
     in_vectors([&] {
         const double c = dome.cosine, s = dome.sine;
+        const MapTables map = dome.map->tables();
+        const Directions to = all;
         RELIGHT_APART
         for (std::size_t i = 0; i < count; ++i) {
-            const double x = c * lanes.x[i] - s * lanes.z[i];
-            const double z = c * lanes.z[i] + s * lanes.x[i];
-            turns[i] = 0.5 + std::copysign(warp::angle_above(std::abs(z), x), z) *
-                                 (0.5 / std::numbers::pi);
+            const double x = c * to.x[i] - s * to.z[i];
+            const double z = c * to.z[i] + s * to.x[i];
+            to.texel[i] = map.texel_at(turns_along(x, z), to.y[i]);
         }
     });
 }
+
+/// Directions and texels that the map draws: step by step over all lanes, so that many wait for
+/// memory together.
+void draw_from_map(const Dome& dome, std::size_t count, const Directions& all)
+{
+    const MapTables map = dome.map->tables();
+    alignas(64) Lane ts, turns;
+    alignas(64) Texels rows, blocks;
+    in_vectors([&] {
+        const MapTables of = map;
+        const double* const v = all.v;
+        RELIGHT_APART
+        for (std::size_t i = 0; i < count; ++i) {
+            ts[i] = v[i] * of.row_reach;
+            rows[i] = of.near_row(v[i], ts[i]);
+        }
+    });
+    for (std::size_t i = 0; i < count; ++i) { rows[i] = map.settled_row(rows[i], ts[i]); }
+    in_vectors([&] {
+        const MapTables of = map;
+        const double* const u = all.u;
+        double* const y = all.y;
+        RELIGHT_APART
+        for (std::size_t i = 0; i < count; ++i) {
+            y[i] = of.height_in(rows[i], ts[i]);
+            ts[i] = u[i] * of.block_reach[rows[i]];
+            blocks[i] = of.near_block(rows[i], u[i]);
+        }
+    });
+    in_vectors([&] {
+        const MapTables of = map;
+        RELIGHT_APART
+        for (std::size_t i = 0; i < count; ++i) { blocks[i] = of.nearer_block(blocks[i], ts[i]); }
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+        blocks[i] = map.settled_block(rows[i], blocks[i], ts[i]);
+    }
+    in_vectors([&] {
+        const MapTables of = map;
+        int* const texel = all.texel;
+        RELIGHT_APART
+        for (std::size_t i = 0; i < count; ++i) {
+            const MapTables::Across across = of.in_block(rows[i], blocks[i], ts[i]);
+            turns[i] = across.turns;
+            texel[i] = across.texel;
+        }
+    });
+    in_vectors([&] {
+        const double c = dome.cosine, s = dome.sine;
+        const Directions to = all;
+        RELIGHT_APART
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 w = direction_at(turns[i], to.y[i]);
+            to.x[i] = c * w.x + s * w.z;
+            to.z[i] = c * w.z - s * w.x;
+        }
+    });
+}
+
+/// Those that the sun's disc draws.
+void draw_from_sun(const Dome& dome, std::size_t count, const Directions& all)
+{
+    in_vectors([&] {
+        const SunView sun = *dome.sun;
+        const Directions to = all;
+        RELIGHT_APART
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 wi = sun.sample_direction({to.u[i], to.v[i]}).wi;
+            to.x[i] = wi.x;
+            to.y[i] = wi.y;
+            to.z[i] = wi.z;
+        }
+    });
+    if (dome.map != nullptr) { find_texels(dome, count, all); }
+}
+
+/// Those lanes that draw from one of two parts, one after the other.
+class Part {
+  public:
+    Part(const DomeLanes& lanes, std::size_t count, double sun_share, bool of_sun)
+    {
+        for (std::size_t i = 0; i < count; ++i) {
+            lane_[count_] = i;
+            u_[count_] = lanes.u[i];
+            v_[count_] = lanes.v[i];
+            count_ += (lanes.pick[i] < sun_share) == of_sun ? 1 : 0;
+        }
+    }
+
+    std::size_t count() const { return count_; }
+    Directions directions() { return {u_, v_, x_, y_, z_, texel_}; }
+    void put(DomeLanes& lanes, Texels& texels) const
+    {
+        for (std::size_t k = 0; k < count_; ++k) {
+            const std::size_t i = lane_[k];
+            lanes.x[i] = x_[k];
+            lanes.y[i] = y_[k];
+            lanes.z[i] = z_[k];
+            texels[i] = texel_[k];
+        }
+    }
+
+  private:
+    std::size_t count_ = 0;
+    std::size_t lane_[DomeLanes::most];
+    alignas(64) Lane u_, v_, x_, y_, z_;
+    alignas(64) Texels texel_;
+};
 
 /// What is seen: of the map by its texels, and of the sun.
 void shine(const Dome& dome, std::size_t count, const Texels& texels, DomeLanes& lanes)
 {
     auto& seen = lanes.seen;
     if (dome.map != nullptr) {
-        const std::vector<Rgbf>& pixels = dome.map->image().pixels;
-        for (std::size_t i = 0; i < count; ++i) {
-            const Rgb L = to_double(pixels[texels[i]]);
-            seen.red[i] = L.r;
-            seen.green[i] = L.g;
-            seen.blue[i] = L.b;
-        }
         in_vectors([&] {
-            const double of_map = 1.0 - dome.sun_share, total = dome.map->luminance_integral();
+            const MapTables map = dome.map->tables();
+            const double of_map = 1.0 - dome.sun_share;
             RELIGHT_APART
             for (std::size_t i = 0; i < count; ++i) {
-                seen.pdf[i] = of_map * (luminance(seen.L(i)) / total);
+                const Rgb L = map.radiance(texels[i]);
+                seen.red[i] = L.r;
+                seen.green[i] = L.g;
+                seen.blue[i] = L.b;
+                seen.pdf[i] = of_map * (luminance(L) / map.total);
             }
         });
     } else {
@@ -70,54 +181,6 @@ void shine(const Dome& dome, std::size_t count, const Texels& texels, DomeLanes&
             seen.pdf[i] += choose(is_beside, 0.0, pdf);
         }
     });
-}
-
-bool is_of_map(const Dome& dome, double pick)
-{
-    return dome.has_parts() ? !(pick < dome.sun_share) : dome.map != nullptr;
-}
-
-/// Of a texel that is drawn, and of its row, what EnvironmentMap::Cell has, and the row's edges.
-struct Cells {
-    alignas(64) Lane column, along, width, top, bottom, down, height;
-};
-
-/// What is asked of memory in one step stays in the nearest cache until the next.
-constexpr std::size_t fetched_together = 128;
-
-/// Lanes [begin, end): no more than those.
-void draw_texels(const Dome& dome, std::size_t begin, std::size_t end, const DomeLanes& lanes,
-                 Cells& cells, Texels& texels)
-{
-    const EnvironmentMap* const map = dome.map;
-    std::array<EnvironmentMap::Cell, fetched_together> rows;
-    std::array<std::size_t, fetched_together> guides;
-    for (std::size_t i = begin; i < end; ++i) {
-        if (!is_of_map(dome, lanes.pick[i])) { continue; }
-        rows[i - begin] = map->draw_row(lanes.v[i]);
-        guides[i - begin] = map->guide_of_column(rows[i - begin].index, lanes.u[i]);
-        map->fetch_guide(guides[i - begin]);
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-        if (!is_of_map(dome, lanes.pick[i])) { continue; }
-        map->fetch_sums(rows[i - begin].index, guides[i - begin]);
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-        cells.column[i] = cells.along[i] = cells.top[i] = cells.bottom[i] = cells.down[i] = 0.0;
-        cells.width[i] = cells.height[i] = 1.0;
-        if (!is_of_map(dome, lanes.pick[i])) { continue; }
-        const EnvironmentMap::Cell& row = rows[i - begin];
-        const EnvironmentMap::Cell cell = map->draw_column(row.index, lanes.u[i]);
-        cells.column[i] = static_cast<double>(cell.index);
-        cells.along[i] = cell.within;
-        cells.width[i] = cell.size;
-        cells.top[i] = map->upper_edge(row.index);
-        cells.bottom[i] = map->upper_edge(row.index + 1);
-        cells.down[i] = row.within;
-        cells.height[i] = row.size;
-        texels[i] = row.index * static_cast<std::size_t>(map->image().width) + cell.index;
-        map->fetch(texels[i]);
-    }
 }
 
 }  // namespace
@@ -148,64 +211,29 @@ Dome dome_of(const SkyLight& light)
 
 void sample(const Dome& dome, std::size_t count, DomeLanes& lanes)
 {
-    const EnvironmentMap* const map = dome.map;
-    Texels texels;
-    Cells cells;
-    for (std::size_t begin = 0; begin < count; begin += fetched_together) {
-        draw_texels(dome, begin, std::min(count, begin + fetched_together), lanes, cells, texels);
-    }
-    in_vectors([&] {
-        const double c = dome.cosine, s = dome.sine;
-        const int columns = map != nullptr ? map->image().width : 1;
-        RELIGHT_APART
-        for (std::size_t i = 0; i < count; ++i) {
-            const EnvironmentMap::Cell across_it{0, cells.along[i], cells.width[i]},
-                down_it{0, cells.down[i], cells.height[i]};
-            const double turns = (cells.column[i] + across_it.fraction()) / columns - 0.5;
-            const warp::SineCosine phi = warp::sine_cosine_of_turns(turns);
-            const double top = cells.top[i], bottom = cells.bottom[i];
-            const double y = top + down_it.fraction() * (bottom - top);
-            const double across = std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y)));
-            const double x = across * phi.cosine, z = across * phi.sine;
-            lanes.x[i] = c * x + s * z;
-            lanes.y[i] = y;
-            lanes.z[i] = c * z - s * x;
+    alignas(64) Texels texels;
+    if (dome.map == nullptr && !dome.sun) {  // dark: anywhere
+        std::fill_n(lanes.x, count, 0.0);
+        std::fill_n(lanes.y, count, 1.0);
+        std::fill_n(lanes.z, count, 0.0);
+    } else if (dome.has_parts()) {
+        for (const bool of_sun : {false, true}) {
+            Part part(lanes, count, dome.sun_share, of_sun);
+            (of_sun ? draw_from_sun : draw_from_map)(dome, part.count(), part.directions());
+            part.put(lanes, texels);
         }
-    });
-    if (dome.sun) {
-        in_vectors([&] {
-            const SunView sun = *dome.sun;
-            const Mask is_alone = where(!dome.has_parts());
-            const double share = dome.sun_share;
-            RELIGHT_APART
-            for (std::size_t i = 0; i < count; ++i) {
-                const Vec3 wi = sun.sample_direction({lanes.u[i], lanes.v[i]}).wi;
-                const Mask is_of_sun = is_alone | where(lanes.pick[i] < share);
-                lanes.x[i] = choose(is_of_sun, wi.x, lanes.x[i]);
-                lanes.y[i] = choose(is_of_sun, wi.y, lanes.y[i]);
-                lanes.z[i] = choose(is_of_sun, wi.z, lanes.z[i]);
-            }
-        });
-        alignas(64) Lane turns;
-        if (dome.has_parts()) { find_turns(dome, count, lanes, turns); }
-        for (std::size_t i = 0; dome.has_parts() && i < count; ++i) {
-            if (is_of_map(dome, lanes.pick[i])) { continue; }
-            texels[i] = map->texel_at(turns[i], lanes.y[i]);
-        }
+    } else {
+        (dome.sun ? draw_from_sun : draw_from_map)(
+            dome, count, {lanes.u, lanes.v, lanes.x, lanes.y, lanes.z, texels});
     }
     shine(dome, count, texels, lanes);
 }
 
 void look(const Dome& dome, std::size_t count, DomeLanes& lanes)
 {
-    Texels texels;
+    alignas(64) Texels texels;
     if (dome.map != nullptr) {
-        alignas(64) Lane turns;
-        find_turns(dome, count, lanes, turns);
-        for (std::size_t i = 0; i < count; ++i) {
-            texels[i] = dome.map->texel_at(turns[i], lanes.y[i]);
-            dome.map->fetch(texels[i]);
-        }
+        find_texels(dome, count, {lanes.u, lanes.v, lanes.x, lanes.y, lanes.z, texels});
     }
     shine(dome, count, texels, lanes);
 }

@@ -1,6 +1,7 @@
 #include "core/light/environment.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -13,25 +14,54 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// The cell of [0, n) that t lies in, its upper end and rounding beyond either end included.
-std::size_t cell(double t, int n)
+/// What numbers of [0, 1) are multiplied by, so that they stay below the sum.
+double reach_of(double sum)
 {
-    return static_cast<std::size_t>(t < n ? std::max(0, static_cast<int>(t)) : n - 1);
+    return std::nextafter(sum, 0.0);
 }
 
-/// Appends the guide of such sums.
-void append_guide(std::span<const double> sums, std::vector<int>& guide)
+/// Which of `steps`, whose running sum is `end(step)`, each part of [0, 1) begins in:
+/// `put(part, step)`.
+template <class End, class Put>
+void guide(int steps, double reach, int parts, const End& end, const Put& put)
 {
-    const double n = static_cast<double>(sums.size());
-    std::size_t i = 0;
-    for (std::size_t part = 0; part < sums.size(); ++part) {
-        const double t = static_cast<double>(part) / n * sums.back();
-        while (i + 1 < sums.size() && !(sums[i] > t)) { ++i; }
-        guide.push_back(static_cast<int>(i));
+    int at = 0;
+    for (int part = 0; part < parts; ++part) {
+        const double t = static_cast<double>(part) / parts * reach;
+        while (at + 1 < steps && end(at) <= t) { ++at; }
+        put(part, at);
     }
 }
 
-constexpr int guides_a_row = 4;  // of equal height: as rows are thinnest at the poles
+int power_of_two(int least)
+{
+    return static_cast<int>(std::bit_ceil(static_cast<unsigned>(least)));
+}
+
+constexpr int parts_a_row = 2;  // of the rows' guide, which is small
+
+std::vector<double> edges_of(int height)
+{
+    std::vector<double> edges;
+    edges.reserve(static_cast<std::size_t>(height) + 1);
+    const double step = pi / height;
+    for (int y = 0; y <= height; ++y) { edges.push_back(std::cos(y * step)); }
+    return edges;
+}
+
+/// The row that each part of the heights begins in.
+std::vector<int> guide_of_heights(std::span<const double> edges)
+{
+    const auto height = static_cast<int>(edges.size()) - 1;
+    std::vector<int> guide;
+    guide.reserve(2 * edges.size());
+    for (int part = 0, row = 0; part < 2 * height; ++part) {
+        const auto edge = [&] { return edges[static_cast<std::size_t>(row) + 1]; };
+        while (row + 1 < height && MapTables::part_of_heights(height, edge()) < part) { ++row; }
+        guide.push_back(row);
+    }
+    return guide;
+}
 
 /// Turned about +Y by an angle of this cosine and sine, counter-clockwise seen from above.
 Vec3 turned(Vec3 w, double c, double s)
@@ -41,102 +71,126 @@ Vec3 turned(Vec3 w, double c, double s)
 
 }  // namespace
 
-EnvironmentMap::EnvironmentMap(Image image) : image_(std::move(image))
+EnvironmentMap::EnvironmentMap(const Image& image)
 {
-    assert(image_.width > 0 && image_.height > 0 &&
-           image_.pixels.size() == image_.at(0, image_.height));
-    row_cdf_.reserve(static_cast<std::size_t>(image_.height));
-    texel_cdf_.reserve(image_.pixels.size());
-    texel_guide_.reserve(image_.pixels.size());
-    for (int y = 0; y < image_.height; ++y) {
-        const double Omega = texel_solid_angle(y);
-        double row = 0.0;
-        for (int x = 0; x < image_.width; ++x) {
-            row += Omega * luminance(to_double(image_.pixels[image_.at(x, y)]));
-            texel_cdf_.push_back(row);
+    const int width = image.width, height = image.height;
+    assert(width > 0 && height > 0 && image.pixels.size() == image.at(0, height));
+    const int blocks = (width - 1) / MapTables::Block::texels + 1;
+    const int parts = power_of_two(blocks);
+    tables_.width = width;
+    tables_.height = height;
+    tables_.blocks = blocks;
+    tables_.block_parts = parts;
+    const auto rows = static_cast<std::size_t>(height);
+    blocks_.resize(rows * static_cast<std::size_t>(blocks));
+    assert(blocks_.size() < (1U << 27U));
+    block_reach_.reserve(rows);
+    row_sums_.reserve(rows + 1);
+    block_guide_.resize((rows * static_cast<std::size_t>(parts) + 1) / 2);
+    double brightest = 0.0, total = 0.0;
+    auto block = blocks_.begin();
+    row_sums_.push_back(total);
+    for (int y = 0; y < height; ++y) {
+        const auto first = block;
+        double sum = 0.0;
+        for (int x = 0; x < width; x += MapTables::Block::texels, ++block) {
+            block->before = sum;
+            for (int i = 0; i < std::min(MapTables::Block::texels, width - x); ++i) {
+                const Rgbf texel = image.pixels[image.at(x + i, y)];
+                const double L = luminance(to_double(texel));
+                std::copy(texel.begin(), texel.end(), block->L[i]);
+                sum += L;
+                brightest = std::max(brightest, L);
+            }
+            block->end = sum;
         }
-        row_sums_.push_back(row);
-        total_ += row;
-        row_cdf_.push_back(total_);
-        append_guide(std::span(texel_cdf_).last(static_cast<std::size_t>(image_.width)),
-                     texel_guide_);
+        block_reach_.push_back(reach_of(sum));
+        total += texel_solid_angle(y) * sum;
+        row_sums_.push_back(total);
+        const auto put = [&](int part, int at) {
+            const std::size_t of = static_cast<std::size_t>(y) * static_cast<std::size_t>(parts) +
+                                   static_cast<std::size_t>(part);
+            // An earlier one will do: whoever seeks goes on from there.
+            block_guide_[of / 2] |= static_cast<std::uint32_t>(std::min(at, 0xffff))
+                                    << (of % 2 * 16);
+        };
+        guide(
+            blocks, block_reach_.back(), parts, [&](int at) { return first[at].end; }, put);
     }
-    append_guide(row_cdf_, row_guide_);
-    const double step = pi / image_.height;
-    for (int y = 0; y <= image_.height; ++y) { row_cos_.push_back(std::cos(y * step)); }
-    const int parts = guides_a_row * image_.height;
-    for (int part = 0, row = 0; part <= parts; ++part) {
-        const double y = 1.0 - 2.0 * part / parts;
-        while (row + 1 < image_.height && row_cos_[static_cast<std::size_t>(row) + 1] > y) {
-            ++row;
-        }
-        height_guide_.push_back(row);
+    const int row_parts = power_of_two(parts_a_row * height);
+    row_guide_.reserve(static_cast<std::size_t>(row_parts));
+    guide(
+        height, reach_of(total), row_parts,
+        [&](int at) { return row_sums_[static_cast<std::size_t>(at) + 1]; },
+        [&](int /*part*/, int at) { row_guide_.push_back(at); });
+    edges_ = edges_of(height);
+    height_guide_ = guide_of_heights(edges_);
+    even_ = brightest <= 2.0 * total / (4.0 * pi);
+    MapTables::Block& of = blocks_.front();
+    for (int texel = 0; texel < MapTables::Block::texels; ++texel) {
+        for (int band = 0; band < 3; ++band) { tables_.L[texel][band] = &of.L[texel][band]; }
     }
-    const double twice_the_mean = 2.0 * total_ / (4.0 * pi);
-    even_ = std::all_of(image_.pixels.begin(), image_.pixels.end(), [&](const Rgbf& texel) {
-        return luminance(to_double(texel)) <= twice_the_mean;
-    });
+    tables_.before = &of.before;
+    tables_.end = &of.end;
+    tables_.block_reach = block_reach_.data();
+    tables_.row_sums = row_sums_.data();
+    tables_.row_reach = reach_of(total);
+    tables_.total = total;
+    tables_.row_guide = row_guide_.data();
+    tables_.row_parts = row_parts;
+    tables_.block_guide = block_guide_.data();
+    tables_.edges = edges_.data();
+    tables_.height_guide = height_guide_.data();
 }
 
 double EnvironmentMap::texel_solid_angle(int row) const
 {
     // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2), without its cancellation at the poles
-    const double half = 0.5 * pi / image_.height;
-    const double across = 2.0 * pi / image_.width;
+    const double half = 0.5 * pi / tables_.height;
+    const double across = 2.0 * pi / tables_.width;
     return across * 2.0 * std::sin((2.0 * row + 1.0) * half) * std::sin(half);
 }
 
-std::size_t EnvironmentMap::row_along(double y) const
+Image EnvironmentMap::image() const
 {
-    const double part = (1.0 - y) * (0.5 * guides_a_row * image_.height);
-    std::size_t row =
-        static_cast<std::size_t>(height_guide_[cell(part, static_cast<int>(height_guide_.size()))]);
-    const auto last = static_cast<std::size_t>(image_.height) - 1;
-    while (row < last && row_cos_[row + 1] >= y) { ++row; }
-    while (row > 0 && row_cos_[row] < y) { --row; }
-    return row;
+    Image image{tables_.width, tables_.height, {}, {}};
+    image.pixels.reserve(image.at(0, image.height));
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+            image.pixels.push_back(to_float(tables_.radiance(y * tables_.texels_a_row() + x)));
+        }
+    }
+    return image;
 }
 
-EnvironmentMap::Seen EnvironmentMap::seen(std::size_t texel, Vec3 w) const
+EnvironmentMap::Seen EnvironmentMap::seen(int texel, Vec3 w) const
 {
-    const Rgb L = to_double(image_.pixels[texel]);
-    return {w, L, total_ > 0.0 ? luminance(L) / total_ : 0.0};
+    const Rgb L = tables_.radiance(texel);
+    return {w, L, tables_.total > 0.0 ? luminance(L) / tables_.total : 0.0};
 }
 
-std::size_t EnvironmentMap::texel_at(double turns, double y) const
+EnvironmentMap::Seen EnvironmentMap::look(Vec3 w) const
 {
-    // The seam's two names, 0 and 1, are one place.
-    return row_along(y) * static_cast<std::size_t>(image_.width) +
-           cell(turns < 1.0 ? turns * image_.width : 0.0, image_.width);
-}
-
-std::size_t EnvironmentMap::texel_along(Vec3 w) const
-{
-    const double angle = std::copysign(warp::angle_above(std::abs(w.z), w.x), w.z);
-    return texel_at(0.5 + angle * (0.5 / pi), w.y);
+    return seen(tables_.texel_at(turns_along(w.x, w.z), w.y), w);
 }
 
 EnvironmentMap::Seen EnvironmentMap::sample(Sample2 s) const
 {
-    if (!(total_ > 0.0)) { return {}; }
-    const Cell row = draw_row(s.v), column = draw_column(row.index, s.u);
-    const double turns =
-        (static_cast<double>(column.index) + column.fraction()) / image_.width - 0.5;
-    const warp::SineCosine phi = warp::sine_cosine_of_turns(turns);
-    const double top = upper_edge(row.index), bottom = upper_edge(row.index + 1);
-    const double y = top + row.fraction() * (bottom - top);
-    const double sine = std::sqrt(std::max(0.0, (1.0 - y) * (1.0 + y)));
-    return seen(row.index * static_cast<std::size_t>(image_.width) + column.index,
-                {sine * phi.cosine, y, sine * phi.sine});
+    const MapTables& map = tables_;
+    if (!(map.total > 0.0)) { return {}; }
+    const double down = s.v * map.row_reach;
+    const int row = map.settled_row(map.near_row(s.v, down), down);
+    const double along = s.u * map.block_reach[row];
+    const int block = map.settled_block(row, map.near_block(row, s.u), along);
+    const MapTables::Across across = map.in_block(row, block, along);
+    return seen(across.texel, direction_at(across.turns, map.height_in(row, down)));
 }
 
 std::uint64_t EnvironmentMap::bytes() const
 {
-    return image_.pixels.capacity() * sizeof(Rgbf) + image_.coverage.capacity() * sizeof(float) +
-           (row_cdf_.capacity() + texel_cdf_.capacity() + row_sums_.capacity() +
-            row_cos_.capacity()) *
-               sizeof(double) +
-           (row_guide_.capacity() + texel_guide_.capacity() + height_guide_.capacity()) *
+    return blocks_.capacity() * sizeof(MapTables::Block) +
+           (block_reach_.capacity() + row_sums_.capacity() + edges_.capacity()) * sizeof(double) +
+           (row_guide_.capacity() + height_guide_.capacity() + block_guide_.capacity()) *
                sizeof(int);
 }
 

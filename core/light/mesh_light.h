@@ -22,6 +22,15 @@ struct Emitter {
 /// A box around all of a table's: no ray that passes it by meets one.
 struct EmitterBounds {
     Vec3 low, high;
+
+    /// Nothing within is on that side of the plane through p that n points to: it gives a place
+    /// there no light.
+    bool are_below(Point3 p, Vec3 n) const
+    {
+        const Vec3 highest{n.x > 0.0 ? high.x : low.x, n.y > 0.0 ? high.y : low.y,
+                           n.z > 0.0 ? high.z : low.z};
+        return dot(n, highest - (p - Point3{})) <= 0.0;
+    }
 };
 
 class EmitterTree;

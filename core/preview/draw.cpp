@@ -121,16 +121,12 @@ int samples_a_side(int samples)
     return side;
 }
 
-/// The projection onto the tile of what through_pixel (core/base/camera.h) defines for the picture:
-/// OpenGL's frustum between the rays through the tile's corners.
+/// The projection onto the tile: OpenGL's frustum between the rays through its corners.
 vtkSmartPointer<vtkMatrix4x4> projection(const Drawing& drawing, Tile tile)
 {
-    const double t = std::tan(0.5 * drawing.fov_y);
-    const double pixel = 2.0 * t / drawing.options.height;  // at distance 1
-    const double left = pixel * (tile.x - 0.5 * drawing.options.width);
-    const double top = pixel * (0.5 * drawing.options.height - tile.y);
-    const double right = left + pixel * tile.width;
-    const double bottom = top - pixel * tile.height;
+    const ImagePlane plane(drawing.fov_y, drawing.options.width, drawing.options.height);
+    const double left = plane.x(tile.x), right = plane.x(tile.x + tile.width);
+    const double top = plane.y(tile.y), bottom = plane.y(tile.y + tile.height);
     const double n = drawing.near;
     const double f = drawing.far;
     vtkNew<vtkMatrix4x4> matrix;

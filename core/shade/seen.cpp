@@ -25,8 +25,9 @@ Point3 onto_tangent_planes(Point3 p, const std::array<Point3, 3>& corner,
     return p + lift;
 }
 
-/// z is n, x as near to `along` as can be; without that, frame_around(n).
-Frame frame_along(Dir3 n, Vec3 along)
+/// z is n, x as near to `along` as can be; without that, frame_around(n). By reference: what has
+/// just been written number by number cannot be copied in wider pieces before it is in the cache.
+Frame frame_along(const Dir3& n, const Vec3& along)
 {
     if (along == Vec3{}) { return frame_around(n); }
     const Dir3 x = normalize(along - Vec3(n) * dot(along, n));
@@ -54,51 +55,51 @@ Receiver on_triangle(const Stage& stage, Terminator terminator, const Hit& hit)
 {
     const Surface& surface = *stage.surface;
     const auto& normals = surface.smooth_normals.empty() ? surface.normals : surface.smooth_normals;
-    const Triangle& t = surface.triangles[hit.primitive];
+    const auto& positions = stage.mesh->positions;
+    const auto [t0, t1, t2] = surface.triangles[hit.primitive];
     const std::array<double, 3> b{1.0 - hit.u - hit.v, hit.u, hit.v};
-    std::array<Point3, 3> corner;
-    std::array<Dir3, 3> normal;
-    Vec3 n, tangent;
+    const std::array<Point3, 3> corner{positions[t0], positions[t1], positions[t2]};
+    const std::array<Dir3, 3> normal{normals[t0], normals[t1], normals[t2]};
+    const Vec3 n = Vec3(normal[0]) * b[0] + Vec3(normal[1]) * b[1] + Vec3(normal[2]) * b[2];
+    Vec3 tangent;
     double bitangent_sign = 0.0;
-    double spacing = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i) {
-        corner[i] = stage.mesh->positions[t[i]];
-        normal[i] = normals[t[i]];
-        n += Vec3(normal[i]) * b[i];
-        if (!surface.tangents.empty()) {
-            const auto& x = surface.tangents[t[i]];
+    if (!surface.tangents.empty()) {
+        const std::array<std::uint32_t, 3> corners{t0, t1, t2};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto& x = surface.tangents[corners[i]];
             tangent += direction_of(x) * b[i];
             bitangent_sign += static_cast<double>(x[3]) * b[i];
         }
-        spacing = std::min(spacing, static_cast<double>(surface.spacing[t[i]]));
     }
-    Receiver at;
-    at.p = corner[0] + (corner[1] - corner[0]) * b[1] + (corner[2] - corner[0]) * b[2];
-    at.ng = normalize(cross(corner[1] - corner[0], corner[2] - corner[0]));
-    const Dir3 interpolated = normalize(n);
-    const Dir3 smooth = interpolated ? interpolated : at.ng;
-    // Filed normals say which side is the front.
-    if (dot(at.ng, smooth) < 0.0) { at.ng = -at.ng; }
-    at.frame =
-        frame_along(bent(stage, hit, smooth, tangent, bitangent_sign < 0.0 ? -1.0 : 1.0), tangent);
-    at.lifted =
-        terminator == Terminator::Smooth ? onto_tangent_planes(at.p, corner, normal, b) : at.p;
-    at.clear = stage.bvh->clearance(spacing);
-    return at;
+    const Vec3 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
+    const Point3 p = corner[0] + ab * b[1] + ac * b[2];
+    const Dir3 face = normalize(cross(ab, ac));
+    Dir3 smooth = normalize(n);
+    if (!smooth) { smooth = face; }
+    return {
+        p, terminator == Terminator::Smooth ? onto_tangent_planes(p, corner, normal, b) : p,
+        frame_along(bent(stage, hit, smooth, tangent, bitangent_sign < 0.0 ? -1.0 : 1.0), tangent),
+        dot(face, smooth) < 0.0 ? -face : face,  // filed normals say which side is the front
+        stage.bvh->clearance(static_cast<double>(
+            std::min({surface.spacing[t0], surface.spacing[t1], surface.spacing[t2]})))};
 }
 
 }  // namespace
 
-std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, Dir3 direction,
-                        const Hit& hit)
+Seen see(const Stage& stage, const Scene& scene, Point3 origin, Dir3 direction, const Hit& hit)
 {
     const Dir3 wo = -direction;
-    Seen seen;
-    Receiver& at = seen.at;
     const Splat splat = hit.is_point ? splat_at(stage, origin, direction, hit) : Splat{};
-    at =
-        hit.is_point ? on_point(stage, splat) : on_triangle(stage, scene.transport.terminator, hit);
-    if (!at.ng) { return {}; }
+    const bool is_white = stage.mesh->colors.empty() && stage.mesh->maps.empty();
+    Seen seen{
+        hit.is_point ? on_point(stage, splat) : on_triangle(stage, scene.transport.terminator, hit),
+        {},
+        material_at(stage, scene, hit),
+        hit.is_point ? splat.color
+        : is_white   ? Rgb::grey(1.0)
+                     : color_at(stage, hit),
+        true};
+    Receiver& at = seen.at;
     if (dot(at.ng, wo) < 0.0) {  // its back is seen: that side is lit and shown
         at.ng = -at.ng;
         at.frame = {at.frame.x, -at.frame.y, -at.frame.n};
@@ -110,13 +111,10 @@ std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, D
     const double cos_o = dot(at.frame.n, wo);
     if (cos_o < least_cosine) {
         const Dir3 n = normalize(Vec3(at.frame.n) + Vec3(wo) * (least_cosine - cos_o));
-        if (!n) { return {}; }
+        if (!n) { at.ng = {}; }
         at.frame = frame_along(n, at.frame.x);
     }
     seen.wo = at.frame.to_local(wo);
-    seen.material = material_at(stage, scene, hit);
-    const bool is_white = stage.mesh->colors.empty() && stage.mesh->maps.empty();
-    seen.color = hit.is_point ? splat.color : is_white ? Rgb::grey(1.0) : color_at(stage, hit);
     return seen;
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "core/transport/receiver.h"
 
 namespace relight {
@@ -14,11 +12,13 @@ struct Seen {
     LocalMaterial material;
     Rgb color;          ///< the file's, interpolated
     bool front = true;  ///< the side that the normals are on
+
+    /// false: the place has no side to be lit, and the rest says nothing.
+    bool is_there() const { return static_cast<bool>(at.ng); }
 };
 
-/// What a ray along `direction` met; nothing if the place has no side to be lit.
-std::optional<Seen> see(const Stage& stage, const Scene& scene, Point3 origin, Dir3 direction,
-                        const Hit& hit);
+/// What a ray along `direction` met.
+Seen see(const Stage& stage, const Scene& scene, Point3 origin, Dir3 direction, const Hit& hit);
 
 /// Whether light along wi can reach the place: from above both its shading normal and its face. Of
 /// a coarse mesh that stands for a round one (Terminator::Smooth) the face does not count where

@@ -12,6 +12,19 @@
 // CMakeLists.txt has this file optimised for vectors.
 
 namespace relight {
+namespace {
+
+/// take(i) where marks[i] is 1, which is rare: found by memchr.
+template <class Marks, class Take>
+void for_marked(const Marks& marks, const Take& take)
+{
+    const std::string_view all(reinterpret_cast<const char*>(marks.data()), marks.size());
+    for (auto i = all.find('\1'); i != std::string_view::npos; i = all.find('\1', i + 1)) {
+        take(i);
+    }
+}
+
+}  // namespace
 
 std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surface,
                                           std::span<const Rgbf> irradiance, unsigned threads,
@@ -39,9 +52,10 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
         const float apart = std::abs(E[a] - E[b]);
         if (!(apart > 0.5F * larger) || !(larger > lit_at_all * brightest)) { return false; }
         // Of a vertex without a normal, which is dark, the difference is 1: never sharp.
-        const double turned = length(Vec3(surface.normals[a]) - surface.normals[b]);
-        return static_cast<double>(apart) >
-               0.5 * static_cast<double>(larger) + 2.0 * static_cast<double>(brightest) * turned;
+        const Vec3 turn = Vec3(surface.normals[a]) - surface.normals[b];
+        const double most = (static_cast<double>(apart) - 0.5 * static_cast<double>(larger)) /
+                            (2.0 * static_cast<double>(brightest));
+        return dot(turn, turn) < most * most;
     };
     std::vector<std::uint8_t> sharp(irradiance.size());
     const auto mark = [&](std::uint32_t v) {
@@ -56,13 +70,6 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
         const float a = of[corners[3 * f]], b = of[corners[3 * f + 1]], c = of[corners[3 * f + 2]];
         return std::min(a, std::min(b, c)) < 0.5F * std::max(a, std::max(b, c));
     };
-    const auto one_falls_by_half = [&](std::size_t begin, std::size_t end) {
-        std::uint32_t falls = 0;
-        in_vectors([&] {
-            for (std::size_t f = begin; f < end; ++f) { falls |= falls_by_half(f) ? 1U : 0U; }
-        });
-        return falls != 0;
-    };
     const auto look_at = [&](std::size_t f) {
         for (std::size_t c = faces.begin(f), before = faces.end(f) - 1; c < faces.end(f);
              before = c++) {
@@ -72,21 +79,20 @@ std::vector<std::uint32_t> sharp_vertices(const Mesh& mesh, const Surface& surfa
             mark(b);
         }
     };
-    constexpr std::size_t few = 64;  // faces that are passed over together
     parallel_for(faces.count(), block, threads, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t some = begin; some < end; some += few) {
-            const std::size_t behind = std::min(some + few, end);
-            if (triangles && !one_falls_by_half(some, behind)) { continue; }
-            for (std::size_t f = some; f < behind; ++f) {
-                if (!triangles || falls_by_half(f)) { look_at(f); }
-            }
+        if (!triangles) {
+            for (std::size_t f = begin; f < end; ++f) { look_at(f); }
+            return;
         }
+        UnsetVector<char> falls(end - begin);
+        in_vectors([&] {
+            char* const to = falls.data();
+            for (std::size_t f = begin; f < end; ++f) { to[f - begin] = falls_by_half(f) ? 1 : 0; }
+        });
+        for_marked(falls, [&](std::size_t i) { look_at(begin + i); });
     });
     std::vector<std::uint32_t> vertices;
-    const std::string_view marks(reinterpret_cast<const char*>(sharp.data()), sharp.size());
-    for (auto v = marks.find('\1'); v != std::string_view::npos; v = marks.find('\1', v + 1)) {
-        vertices.push_back(static_cast<std::uint32_t>(v));  // few, and found by memchr
-    }
+    for_marked(sharp, [&](std::size_t v) { vertices.push_back(static_cast<std::uint32_t>(v)); });
     return vertices;
 }
 

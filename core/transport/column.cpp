@@ -49,7 +49,7 @@ bool is_open(const Source& source, const Receiver& receiver)
 struct Sampling {
     std::size_t at = 0;  ///< in the column
     std::size_t sums = 0;
-    Receiver receiver;
+    const Receiver* receiver = nullptr;
     double closed = 0.0;  ///< the direct part's E unoccluded, of a light of one colour
     bool direct = true;   ///< its direct part is drawn; else it is exact
     unsigned rays = 0;    ///< asked for that part
@@ -78,10 +78,11 @@ std::uint64_t draw_grey(const Source& source, std::span<Sampling> vertices, Sums
                         unsigned begin, unsigned end, ShadowStream& stream)
 {
     std::vector<GreyVertex> grey;
+    grey.reserve(vertices.size());
     for (Sampling& vertex : vertices) {
         if (!vertex.direct) { continue; }
         grey.push_back(
-            {&vertex.receiver, sums.of(sums.lit, vertex), sums.of(sums.all, vertex), &vertex.rays});
+            {vertex.receiver, sums.of(sums.lit, vertex), sums.of(sums.all, vertex), &vertex.rays});
     }
     return gather_irradiance(source, grey, lanes_of(sums.replicates, begin, end), stream);
 }
@@ -92,8 +93,9 @@ std::uint64_t draw_colored(const Source& source, const std::optional<Dome>& dome
                            ShadowStream& stream)
 {
     std::vector<ColoredVertex> colored;
+    colored.reserve(vertices.size());
     for (Sampling& vertex : vertices) {
-        colored.push_back({&vertex.receiver, sums.of(sums.colored, vertex), &vertex.seen});
+        colored.push_back({vertex.receiver, sums.of(sums.colored, vertex), &vertex.seen});
     }
     if (dome) { return gather_dome(source, *dome, colored, sums.replicates, begin, end, stream); }
     return gather_faces(source, *std::get<MeshLight>(source.light.shape).table, colored,
@@ -108,7 +110,7 @@ void draw_bounced(const Source& source, std::span<Sampling> vertices, Sums& sums
     const Response cosine(source.scene.transport.two_sided);
     std::vector<Path> paths;
     for (Sampling& vertex : vertices) {
-        const Receiver& receiver = vertex.receiver;
+        const Receiver& receiver = *vertex.receiver;
         const Sequence sequence = source.sequence(receiver);
         const std::span<Rgb> bounced = sums.of(sums.bounced, vertex);
         for (unsigned r = 0; r < bounced.size(); ++r) {
@@ -181,7 +183,7 @@ void fill_sampled(const Source& source, Vertices of, Column& column)
     for (std::size_t i = 0; i < of.size(); ++i) {
         const Receiver& receiver = receivers[i];
         if (!receiver.frame.n) { continue; }
-        Sampling vertex{i, vertices.size(), receiver, 0.0, !delta, 0, {}};
+        Sampling vertex{i, vertices.size(), &receiver, 0.0, !delta, 0, {}};
         if (grey && !delta) {
             vertex.closed = exact[i];
             const bool nothing = vertex.closed == 0.0;

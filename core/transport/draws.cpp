@@ -92,6 +92,7 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
 {
     constexpr bool is_dome = std::is_same_v<View, DomeDirections>;
     constexpr bool is_mesh = std::is_same_v<View, MeshDirections>;
+    constexpr bool is_cosines = std::is_same_v<View, MeshCosines>;
     constexpr bool is_far_away = is_dome || std::is_same_v<View, SunView> ||
                                  std::is_same_v<View, CosineView> ||
                                  std::is_same_v<View, CosineDirections>;
@@ -106,6 +107,11 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
             make(asker, first);
             first += lanes.count;
         }
+    };
+    const auto pass_over = [&](std::size_t first) {
+        std::fill_n(E.begin() + static_cast<std::ptrdiff_t>(first), lanes.count, 0.0);
+        stream.resize(first);
+        for (unsigned i = 0; i < lanes.count; ++i) { stream.pass_over(); }
     };
     const std::size_t count = askers.size() * lanes.count;
     const auto draw_pair = [&](std::uint32_t which) {
@@ -153,7 +159,7 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
             });
         });
     }
-    if constexpr (std::is_same_v<View, MeshCosines>) {
+    if constexpr (is_cosines) {
         in_vectors([&] {
             each([&](const Asker<View>& asker, std::size_t first) {
                 meet_bounds(asker.view.faces->bounds(), Start(*asker.receiver, bvh, options),
@@ -178,15 +184,21 @@ void draw(std::span<const Asker<View>> askers, const Bvh& bvh, const TransportOp
     }
     in_vectors([&] {
         each([&](const Asker<View>& asker, std::size_t first) {
+            if constexpr (is_cosines) {
+                // Few look where faces are: the rest of the work is for those.
+                const double* weights = slots.weight + first;
+                if (std::count(weights, weights + lanes.count, 0.0) == lanes.count) {
+                    pass_over(first);
+                    return;
+                }
+            }
             aim_rays<is_far_away>(*asker.receiver, bvh, options, lanes.count, first, slots, fields,
                                   E);
         });
     });
     each([&](const Asker<View>& asker, std::size_t first) {
         if (asker.view.is_seen()) { return; }
-        std::fill_n(E.begin() + static_cast<std::ptrdiff_t>(first), lanes.count, 0.0);
-        stream.resize(first);
-        for (unsigned i = 0; i < lanes.count; ++i) { stream.pass_over(); }
+        pass_over(first);
     });
     stream.resize(count);
 }

@@ -96,15 +96,25 @@ std::uint64_t gather_joined(const Source& source, std::span<const ColoredVertex>
     };
     const auto settle = [&](const ColoredVertex& v, const Lanes& points, std::size_t slot,
                             std::span<const std::uint8_t> blocked, std::span<const double> E) {
+        // Without a branch: which rays are asked for and blocked nobody foresees.
         unsigned asked = 0;
-        for (unsigned i = 0; i < points.count; ++i) {
-            if (!(E[i] > 0.0)) { continue; }
-            ++asked;
-            v.seen->total += E[i];
-            if (blocked[i] != 0) { continue; }
-            v.seen->open += E[i];
-            v.lit[points.replicate[i]] += seen.L(slot + i);
+        Unblocked of = *v.seen;
+        for (unsigned i = 0; i < points.count;) {
+            const unsigned r = points.replicate[i];
+            Rgb lit = v.lit[r];
+            for (; i < points.count && points.replicate[i] == r; ++i) {
+                const Mask is_asked = where(E[i] > 0.0);
+                const Mask is_open = is_asked & where(blocked[i] == 0);
+                asked += E[i] > 0.0 ? 1 : 0;
+                of.total += choose(is_asked, E[i], 0.0);
+                of.open += choose(is_open, E[i], 0.0);
+                const Rgb L = seen.L(slot + i);
+                lit += {choose(is_open, L.r, 0.0), choose(is_open, L.g, 0.0),
+                        choose(is_open, L.b, 0.0)};
+            }
+            v.lit[r] = lit;
         }
+        *v.seen = of;
         return asked;
     };
     std::uint64_t rays = 0;
@@ -224,11 +234,19 @@ std::uint64_t gather_faces(const Source& source, const EmitterTable& faces,
                            std::span<const ColoredVertex> vertices, unsigned replicates,
                            unsigned begin, unsigned end, ShadowStream& stream)
 {
-    if (vertices.empty()) { return 0; }
+    // Those that have every face below their horizon are black: nothing is drawn for them.
+    std::vector<ColoredVertex> reached;
+    reached.reserve(vertices.size());
+    for (const ColoredVertex& v : vertices) {
+        const bool is_reached = source.scene.transport.two_sided ||
+                                !faces.bounds().are_below(v.receiver->p, v.receiver->frame.n);
+        if (is_reached) { reached.push_back(v); }
+    }
+    if (reached.empty()) { return 0; }
     MeshLanes drawn;
     const double light_share = is_found_by_light_alone(source) ? 1.0 : 0.5;
     return gather_joined(
-        source, vertices, lanes_of_ways(light_share, replicates, begin, end), light_share, stream,
+        source, reached, lanes_of_ways(light_share, replicates, begin, end), light_share, stream,
         drawn.seen, MeshDirections{&faces, &drawn},
         [&](const CosineView& cosine) {
             return MeshCosines{cosine, &faces, &drawn};

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/base/camera.h"
@@ -111,11 +113,34 @@ TEST(Result, CarriesTheFirstErrorThroughTheWalk)
 TEST(Camera, LooksAtItsTargetThroughTheMiddleAndKeepsRightOnTheRight)
 {
     const Camera camera{{1, 2, 5}, {1, 2, 0}, {0, 1, 0}, 0.7};
+    EXPECT_EQ(axes(camera).right, normalize({1, 0, 0}));
+    const PixelRays pixels(camera, 640, 480);
+    EXPECT_NEAR(dot(pixels.through(320, 240), normalize({0, 0, -1})), 1.0, 1e-15);
+    EXPECT_GT(pixels.through(600, 240).x(), 0.0);
+    EXPECT_GT(pixels.through(320, 10).y(), 0.0);
+}
+
+TEST(Camera, PixelsLieWhereTheContractPutsThem)  // section 9
+{
+    const Camera camera{{3, -1, 0.5}, {-0.2, 0.7, 2}, {0.1, 0.9, 0.4}, 1.1};
     const CameraAxes a = axes(camera);
-    EXPECT_EQ(a.right, normalize({1, 0, 0}));
-    EXPECT_NEAR(dot(through_pixel(a, 0.7, 640, 480, 320, 240), normalize({0, 0, -1})), 1.0, 1e-15);
-    EXPECT_GT(through_pixel(a, 0.7, 640, 480, 600, 240).x(), 0.0);
-    EXPECT_GT(through_pixel(a, 0.7, 640, 480, 320, 10).y(), 0.0);
+    const double t = std::tan(0.55);
+    for (const auto& [W, H] : {std::pair{640, 480}, {90, 160}, {1, 1}}) {
+        const PixelRays pixels(camera, W, H);
+        const ImagePlane plane(camera.fov_y, W, H);
+        for (const double x : {0.0, 0.5, 0.37 * W, 1.0 * W}) {
+            for (const double y : {0.0, 0.5, 0.81 * H, 1.0 * H}) {
+                const Dir3 d = pixels.through(x, y);
+                const double ahead = -dot(d, a.back);
+                const double u = (2.0 * x / W - 1.0) * t * W / H, v = (1.0 - 2.0 * y / H) * t;
+                EXPECT_NEAR(dot(d, d), 1.0, 1e-15);
+                EXPECT_NEAR(dot(d, a.right) / ahead, u, 1e-15);
+                EXPECT_NEAR(dot(d, a.up) / ahead, v, 1e-15);
+                EXPECT_NEAR(plane.x(x), u, 1e-15);
+                EXPECT_NEAR(plane.y(y), v, 1e-15);
+            }
+        }
+    }
 }
 
 TEST(Camera, AnUpAlongTheViewStillGivesAFrame)

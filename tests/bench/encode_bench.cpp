@@ -16,7 +16,7 @@ namespace {
 struct Answer {
     const Mesh* mesh;
     Shaded shaded;
-    std::vector<Rgb8> color;
+    UnsetVector<Rgb8> color;
 
     std::span<const float> irradiance() const
     {
@@ -38,7 +38,7 @@ const Answer& answer(std::size_t vertices)
         scene.lights = {test::light_of(PointLight{{0.3, -0.2, 0.35}, {}}, {3.0, 2.5, 2.0})};
         Progress progress;
         Shaded shaded = shade(stage, trace(stage, scene, {}, progress), scene, {}, progress);
-        std::vector<Rgb8> color = to_srgb8(shaded.radiance, {}, 0, progress);
+        UnsetVector<Rgb8> color = to_srgb8(shaded.radiance, {}, 0, progress);
         at->second = {stage.mesh.get(), std::move(shaded), std::move(color)};
     }
     return at->second;

@@ -48,11 +48,11 @@ BENCHMARK(raytrace_image)->Name("raytrace 640x480, 4 samples a pixel")->Apply(si
 std::vector<RTCRay> camera_rays(const RawEmbree& raw, const Camera& camera)
 {
     constexpr int width = 1280, height = 960;
-    const CameraAxes a = axes(camera);
+    const PixelRays pixels(camera, width, height);
     std::vector<RTCRay> rays;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            const Dir3 d = through_pixel(a, camera.fov_y, width, height, x + 0.5, y + 0.5);
+            const Dir3 d = pixels.through(x + 0.5, y + 0.5);
             rays.push_back(rtc_ray(raw.to_box(camera.eye), d, 0.0, 16.0));
         }
     }
@@ -113,7 +113,7 @@ const Image& full_hd(std::size_t vertices)
     return at->second;
 }
 
-std::vector<Rgb8> displayed(const Image& image)
+UnsetVector<Rgb8> displayed(const Image& image)
 {
     Progress progress;
     return to_srgb8(image.pixels, {}, 0, progress);
@@ -130,7 +130,7 @@ BENCHMARK(display_image)->Name("display 1920x1080: linear to sRGB")->Apply(sizes
 void write_png_image(benchmark::State& state)
 {
     const Image& image = full_hd(vertices(state));
-    const std::vector<Rgb8> pixels = displayed(image);
+    const UnsetVector<Rgb8> pixels = displayed(image);
     while (state.KeepRunning()) {
         benchmark::DoNotOptimize(write_png(image.width, image.height, pixels).data());
     }
@@ -141,7 +141,7 @@ BENCHMARK(write_png_image)->Name("write PNG 1920x1080")->Apply(sizes);
 /// The pixels' bytes less the pixel to the left (PNG's filter 1), deflated.
 void deflate_image(benchmark::State& state, int level)
 {
-    const std::vector<Rgb8> pixels = displayed(full_hd(vertices(state)));
+    const UnsetVector<Rgb8> pixels = displayed(full_hd(vertices(state)));
     std::vector<unsigned char> rows;
     Rgb8 left{};
     for (const Rgb8& pixel : pixels) {

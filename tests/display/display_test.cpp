@@ -233,7 +233,7 @@ TEST(Picture, HasTheCodesOfTheFormulaToTheLastFloatOnEveryInstructionSet)
         for (const auto target : hwy::SupportedAndGeneratedTargets()) {
             hwy::SetSupportedTargetsForTest(target);
             Progress progress;
-            const std::vector<Rgb8> codes = to_srgb8(L, display, 1, progress);
+            const UnsetVector<Rgb8> codes = to_srgb8(L, display, 1, progress);
             for (std::size_t i = 0; i < L.size(); ++i) {
                 EXPECT_EQ(codes[i], to_srgb8(to_double(L[i]), display))
                     << hwy::TargetName(target) << ", EV " << ev << ": " << L[i][0] << " " << L[i][1]
@@ -249,7 +249,7 @@ TEST(Picture, HasTheSameBytesOnAnyNumberOfThreads)
     const std::vector<Rgbf> L = noise(100'003);
     const Display display{.exposure_ev = -0.3, .tone_map = ToneMap::PbrNeutral};
     Progress progress;
-    const std::vector<Rgb8> alone = to_srgb8(L, display, 1, progress);
+    const UnsetVector<Rgb8> alone = to_srgb8(L, display, 1, progress);
     ASSERT_EQ(alone.size(), L.size());
     for (std::size_t i = 0; i < L.size(); i += 997) {
         EXPECT_EQ(alone[i], to_srgb8(to_double(L[i]), display));
@@ -268,7 +268,7 @@ void expect_the_codes_of_the_formula(const std::vector<float>& values, const Dis
         L.push_back({values[i], values[(i + 1) % values.size()], values[(i + 2) % values.size()]});
     }
     Progress progress;
-    const std::vector<Rgb8> codes = to_srgb8(L, display, 1, progress);
+    const UnsetVector<Rgb8> codes = to_srgb8(L, display, 1, progress);
     for (std::size_t i = 0; i < L.size(); ++i) {
         Rgbf flushed = L[i];
         for (float& band : flushed) {

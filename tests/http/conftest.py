@@ -17,10 +17,10 @@ PROGRAM = os.environ.get("RELIGHTD", str(ROOT / "build/release/bin/relightd"))
 class Server:
     """A running server: where it listens, and what the kernel says of its process."""
 
-    def __init__(self, store, *flags):
+    def __init__(self, store, *flags, log=None):
         self.process = subprocess.Popen(
             [PROGRAM, "--port", "0", "--store", str(store), *flags],
-            stdout=subprocess.PIPE, text=True)
+            stdout=subprocess.PIPE, stderr=log, text=True)
         self.pid = self.process.pid
         ready, _, _ = select.select([self.process.stdout], [], [], 30)
         line = self.process.stdout.readline() if ready else ""

@@ -2,6 +2,7 @@
 
 import gzip
 import hashlib
+import itertools
 import json
 import socket
 import struct
@@ -10,9 +11,11 @@ import numpy
 import pytest
 
 from client import call, multipart, read_npz, read_ply, relight, rgb, upload
+from conftest import Server
 from files import DATA, document_of, embedded, faces_of, floats, shown, split_glb, table, vertices_of
 
 SUN = {"type": "directional", "direction": [-1, -3, -2], "irradiance_w_m2": 3}
+LONG = ["irradiance", "radiance", "normal", "color", "per_light", "visibility"]  # beyond a block as JSON
 LAMPS = [SUN, {"type": "environment", "radiance_w_m2_sr": 0.3}]
 MESHES = sorted(name for name in table("meshes") if (DATA / "meshes" / name).exists())
 CLOUDS = sorted(table("clouds"))
@@ -223,6 +226,8 @@ def test_a_format_is_asked_for_by_name_or_by_accept(server, format_, media, magi
 def test_a_length_is_said_where_it_is_known_and_text_comes_in_chunks(server, format_):
     mesh = stored(server, SPOT)
     ask = {"mesh": {"id": mesh["id"]}, "lights": [SUN], "output": {"format": format_}}
+    if format_ == "json":
+        ask["output"]["quantities"] = LONG  # what is short has a length
     reply = relight(server, ask)
     in_chunks = reply.headers["Transfer-Encoding"] == "chunked"
     assert in_chunks == (format_ in ("obj", "off", "ply_ascii", "json"))
@@ -244,6 +249,37 @@ def test_a_length_is_said_where_it_is_known_and_text_comes_in_chunks(server, for
     else:
         said = json.loads(receipt.headers["Relight-Receipt"])["result_sha256"]
         assert receipt.body == reply.body and said == hashlib.sha256(reply.body).hexdigest()
+
+
+def test_short_json_has_a_length_and_the_log_tells_the_bytes_of_every_body(tmp_path):
+    few = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n" \
+          b"element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    want = []
+    with open(tmp_path / "log", "wb") as log:
+        server = Server(tmp_path / "store", "--log", "json", log=log)
+        try:
+            for file in (few, SPOT):
+                mesh = upload(server, file, "?format=ply").json()["id"]
+                content = call(server, "GET", f"/v1/meshes/{mesh}/content")
+                assert content.body == file
+                want.append(len(file))
+                for format_, query in itertools.product(("json", "obj", "ply"), ("", "?receipt=1")):
+                    body = json.dumps({"mesh": {"id": mesh}, "lights": [SUN], "output": {
+                        "format": format_, "quantities": ["color"] if format_ == "obj" else LONG}})
+                    reply = call(server, "POST", "/v1/relight" + query, body, {"Content-Type": "application/json"})
+                    assert reply.status == 200
+                    in_chunks = reply.headers["Transfer-Encoding"] == "chunked"
+                    assert in_chunks == (format_ == "obj" or (format_ == "json" and len(reply.body) > 1 << 18))
+                    assert in_chunks or int(reply.headers["Content-Length"]) == len(reply.body)
+                    if query and format_ == "json":
+                        whole, _, end = reply.body.rpartition(b',"receipt":')
+                        assert json.loads(b"{" + b'"receipt":' + end)["receipt"]["result_sha256"] == \
+                            hashlib.sha256(whole + b"}").hexdigest()
+                    want.append(len(reply.body))
+        finally:
+            assert server.stop() == 0
+    lines = [json.loads(line) for line in (tmp_path / "log").read_text().splitlines() if '"path"' in line]
+    assert [line["bytes"] for line in lines if not line["path"].endswith("/meshes")] == want
 
 
 def test_json_is_packed_while_it_is_sent_and_for_those_alone_who_take_it(server):

@@ -188,6 +188,19 @@ TEST(BlockOut, TakesPiecesOfAnySizeInOrder)
     EXPECT_EQ(sent, expected);
 }
 
+TEST(BlockOut, WaitsForASinkThatKeepsTheBytesInMemory)
+{
+    std::string kept;
+    const Sink sink = Append{&kept};
+    BlockOut out(sink);
+    for (std::size_t blocks = 0; blocks < 3; ++blocks) {
+        std::fill_n(out.room(BlockOut::block_bytes), BlockOut::block_bytes, 'a');
+        EXPECT_EQ(kept.size(), blocks * BlockOut::block_bytes);
+    }
+    EXPECT_TRUE(out.flush());
+    EXPECT_EQ(kept, std::string(3 * BlockOut::block_bytes, 'a'));
+}
+
 TEST(BlockOut, FillsTheNextBlockWhileOneIsSent)
 {
     std::binary_semaphore filled{0};

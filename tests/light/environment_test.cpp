@@ -191,6 +191,86 @@ TEST(Environment, PolesSeamsAndRoundingStayInTheMap)
     EXPECT_EQ(map.radiance({-1, 0, 0.0}), map.radiance({-1, 0, -0.0}));  // the seam is one place
 }
 
+/// Mostly dark, in parts black, with lamps of any brightness: no two texels alike.
+Image lamps(int width, int height)
+{
+    Image image{width, height, {}, {}};
+    for (std::uint64_t i = 0; i < image.at(0, height); ++i) {
+        const auto u = [&](std::uint64_t k) { return uniform(11, 0, i, k); };
+        const bool is_black = i / 64 % 3 == 1 || u(0) < 0.1;
+        const double L = (1.0 + u(1)) * (u(2) < 0.002 ? 1e6 * u(3) : 1e-3);
+        image.pixels.push_back(
+            to_float(is_black ? Rgb{} : Rgb{L, 1e-6 * static_cast<double>(i), L}));
+    }
+    return image;
+}
+
+/// The first whose running sum is beyond the share u of all.
+std::size_t reached(const std::vector<double>& sums, double u)
+{
+    return static_cast<std::size_t>(std::upper_bound(sums.begin(), sums.end(), u * sums.back()) -
+                                    sums.begin());
+}
+
+TEST(Environment, ASampleIsOfTheRowAndTheTexelThatItsNumbersReach)
+{
+    // Rows of one texel, of less than a block, of no whole blocks, and of more blocks than the
+    // guide can name.
+    for (const auto& [width, height] :
+         {std::pair{1, 9}, {3, 5}, {6, 3}, {257, 130}, {1024, 64}, {300'001, 2}}) {
+        const Image image = lamps(width, height);
+        const EnvironmentMap map(image);
+        std::vector<double> down;
+        std::vector<std::vector<double>> along;
+        for (int y = 0; y < height; ++y) {
+            std::vector<double>& row = along.emplace_back();
+            double sum = 0.0;
+            for (int x = 0; x < width; ++x) {
+                row.push_back(sum += luminance(to_double(image.pixels[image.at(x, y)])));
+            }
+            down.push_back((y == 0 ? 0.0 : down.back()) + sum * map.texel_solid_angle(y));
+        }
+        for (int i = 0; i < 2000; ++i) {
+            const Sample2 s = test::draw(13, i).s;
+            const std::size_t y = reached(down, s.v), x = reached(along[y], s.u);
+            const EnvironmentMap::Seen seen = map.sample(s);
+            ASSERT_EQ(to_float(seen.L), image.pixels[y * along[y].size() + x]) << x << ' ' << y;
+            ASSERT_EQ(seen.L, map.radiance(seen.w));
+            ASSERT_NEAR(seen.pdf, luminance(seen.L) / down.back(), 1e-12 * seen.pdf);
+        }
+    }
+}
+
+TEST(Environment, EveryHeightIsInTheRowBetweenItsEdges)
+{
+    for (const int height : {1, 2, 3, 4, 7, 100, 512, 4096}) {
+        std::vector<Rgb> pixels(static_cast<std::size_t>(height));
+        for (std::size_t row = 0; row < pixels.size(); ++row) {
+            pixels[row] = Rgb::grey(1.0 + static_cast<double>(row));
+        }
+        const EnvironmentMap map(test::image_of(1, height, pixels));
+        const auto row_at = [&](double y) { return map.radiance({0.0, y, 0.0}).g - 1.0; };
+        for (int row = 0; row < height; ++row) {
+            const double top = map.tables().edges[row];
+            EXPECT_NEAR(top, std::cos(pi * row / height), 1e-15);
+            EXPECT_EQ(row_at(top), row) << "an edge is of the row below it, " << height;
+            if (row == 0) { continue; }
+            EXPECT_EQ(row_at(std::nextafter(top, 2.0)), row - 1) << height;
+            EXPECT_EQ(row_at(std::nextafter(top, -2.0)), row) << height;
+            EXPECT_EQ(row_at(0.5 * (top + map.tables().edges[row - 1])), row - 1);
+        }
+        EXPECT_EQ(row_at(-1.0), height - 1);
+    }
+}
+
+TEST(Environment, ATexelTakesNineteenBytesAndItsImageIsKept)
+{
+    const Image image = lamps(1022, 512);
+    const EnvironmentMap map(image);
+    EXPECT_EQ(map.image().pixels, image.pixels);
+    EXPECT_LE(map.bytes(), 19 * image.pixels.size());
+}
+
 TEST(Environment, RotationTurnsItCounterClockwiseSeenFromAbove)
 {
     std::vector<Rgb> pixels(32);

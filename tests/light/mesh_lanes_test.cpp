@@ -106,6 +106,27 @@ TEST(MeshLanes, AreTheTablesSamples)
     EXPECT_GT(seen, places.size() / 5);
 }
 
+TEST(EmitterBounds, AreBelowOnlyWhereNoFaceRisesAboveThePlane)
+{
+    std::size_t below = 0;
+    for (std::uint64_t item = 0; item < 3'000; ++item) {
+        const auto emitters = motley_faces(1 + static_cast<std::uint32_t>(item % 5));
+        const EmitterTable table(emitters);
+        Number number{item};
+        const Point3 p = Point3{} + number.vector(item % 3 == 0 ? 1.0 : 8.0);
+        const Dir3 n = item % 7 == 0 ? normalize({0, -1, 0}) : normalize(number.vector(1.0));
+        if (!table.bounds().are_below(p, n)) { continue; }
+        ++below;
+        for (const Emitter& emitter : emitters) {
+            for (const Point3 corner : emitter.corners) { ASSERT_LE(dot(n, corner - p), 0.0); }
+        }
+    }
+    EXPECT_GT(below, 500U);
+    const EmitterTable one({{{Point3{0, 1, 0}, {0, 1, 1}, {1, 1, 0}}, 0, Rgb::grey(1.0)}});
+    EXPECT_TRUE(one.bounds().are_below({0, 2, 0}, {0, 1, 0}));
+    EXPECT_FALSE(one.bounds().are_below({0, 0.999, 0}, {0, 1, 0}));
+}
+
 TEST(MeshLanes, OfNoFacesShowNothing)
 {
     const EmitterTable table({});

@@ -86,7 +86,7 @@ int alpha(const Picture& picture, int x, int y)
 /// Where the camera formula says that the centre ray of a pixel meets the plane z = 0.
 Point3 on_plane(const Camera& camera, int width, int height, int x, int y)
 {
-    const Vec3 d = through_pixel(axes(camera), camera.fov_y, width, height, x + 0.5, y + 0.5);
+    const Vec3 d = PixelRays(camera, width, height).through(x + 0.5, y + 0.5);
     return camera.eye + d * (-camera.eye.z / d.z);
 }
 

@@ -67,10 +67,10 @@ TEST(CloudPicture, NormalsTurnAsTheSurfaceDoes)
     options.normal = true;
     const Rendered rendered = picture(stage, scene, options);
     double squares = 0.0;
+    const PixelRays pixels(scene.camera, 60, 60);
     for (int y = 0; y < 60; ++y) {
         for (int x = 0; x < 60; ++x) {
-            const Vec3 d =
-                through_pixel(axes(scene.camera), scene.camera.fov_y, 60, 60, x + 0.5, y + 0.5);
+            const Vec3 d = pixels.through(x + 0.5, y + 0.5);
             // |eye + t d| = 1
             const Vec3 eye = scene.camera.eye - Point3{};
             const double half = dot(eye, d);

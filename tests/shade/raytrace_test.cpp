@@ -1,6 +1,7 @@
 // Pictures under every light: against closed forms and the oracle's values.
 #include <gtest/gtest.h>
 
+#include "core/light/dome.h"
 #include "tests/oracle.h"
 #include "tests/shade/corner.h"
 #include "tests/statistics.h"
@@ -142,17 +143,14 @@ TEST(RaytraceLight, TheSkyIsTheBackgroundWhereNothingIsHit)
     scene.camera = {{}, {1, 0.2, -0.3}, {0, 1, 0}, 1.0};
     constexpr int width = 40, height = 30, fine = 40;
     const Rendered rendered = picture(stage, scene, {width, height, 256, {}, 0, 2});
-    const CameraAxes a = axes(scene.camera);
+    const PixelRays pixels(scene.camera, width, height);
     int whole = 0;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             Rgb sum;
             bool same = true;
             const auto along = [&](double dx, double dy) {
-                return look(sky,
-                            through_pixel(a, scene.camera.fov_y, width, height, x + dx, y + dy))
-                           .L *
-                       power;
+                return look(sky, pixels.through(x + dx, y + dy)).L * power;
             };
             const Rgb corner = along(0, 0);
             for (int i = 0; i < fine; ++i) {
@@ -179,6 +177,52 @@ TEST(RaytraceLight, TheSkyIsTheBackgroundWhereNothingIsHit)
     for (const Rgbf& L : picture(stage, scene, {8, 6, 4, Rgb{3, 2, 1}, 0, 2}).image.pixels) {
         EXPECT_EQ(L, (Rgbf{3, 2, 1}));  // one that is given stands for the sky
     }
+}
+
+TEST(RaytraceLight, SamplesOfOnePixelBeyondWhatLanesHoldAllSeeTheSky)
+{
+    Image white;
+    white.width = 16;
+    white.height = 8;
+    white.pixels.assign(128, Rgbf{1, 1, 1});
+    Scene scene;
+    scene.materials[0] = Lambert{Rgb::grey(0.5)};
+    scene.lights = {light_of(EnvironmentLight{std::make_shared<const EnvironmentMap>(white), 0.0})};
+    const Stage stage = staged(test::patch({}, normalize({0, 0, 1}), 1.0));
+    constexpr int samples = 2500;
+    ASSERT_GT(samples, 2 * DomeLanes::most);
+    scene.camera = test::pinhead({0, 0, 1}, {0, 0, 2});
+    EXPECT_EQ(picture(stage, scene, {1, 1, samples, {}, 0, 1}).image.pixels[0], (Rgbf{1, 1, 1}));
+    scene.camera = test::pinhead({0, 0, 1}, {});
+    const Mean L = mean_picture(stage, scene, {1, 1, samples, {}, 0, 1});
+    EXPECT_LT(L.error.g, 0.01);
+    EXPECT_NEAR(L.value.g, 0.5, 5.0 * L.error.g);
+}
+
+TEST(RaytraceLight, AFlatPlaceUnderAMapShowsTheIntegralOfItsHemisphere)
+{
+    const auto map = patchwork(7, 5);
+    const Dir3 n = normalize({0.4, 0.8, -0.3});
+    Rgb E;  // midpoints of equal areas
+    constexpr int rows = 500, columns = 1000;
+    for (int i = 0; i < rows; ++i) {
+        const double y = 1.0 - (2.0 * i + 1.0) / rows, r = std::sqrt(1.0 - y * y);
+        for (int j = 0; j < columns; ++j) {
+            const double phi = 2.0 * pi * (j + 0.5) / columns;
+            const Vec3 w{r * std::cos(phi), y, r * std::sin(phi)};
+            E += map->radiance(w) * (std::max(0.0, dot(n, w)) * 4.0 * pi / (rows * columns));
+        }
+    }
+    Scene scene;
+    scene.materials[0] = Lambert{Rgb::grey(0.5)};
+    scene.lights = {light_of(EnvironmentLight{map, 0.0})};
+    scene.camera = test::pinhead(Point3{} + Vec3(n), {});
+    const Stage stage = staged(test::patch({}, n, 1.0));
+    const Mean L = mean_picture(stage, scene, {8, 8, 256, {}, 3, 1});
+    const Rgb expected = E * (0.5 / pi);
+    EXPECT_LT(L.error.b, 0.004 * expected.b);
+    EXPECT_NEAR(L.value.r, expected.r, 5.0 * L.error.r + 1e-3 * expected.r);
+    EXPECT_NEAR(L.value.b, expected.b, 5.0 * L.error.b + 1e-3 * expected.b);
 }
 
 TEST(RaytraceLight, ASunsDiscStandsInTheSky)

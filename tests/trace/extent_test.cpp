@@ -1,3 +1,5 @@
+#include "core/trace/extent.h"
+
 #include "tests/trace/model.h"
 
 namespace relight {
@@ -59,6 +61,43 @@ TEST(OpenAbove, IsNeverToldWhereACornerRisesByMoreThanTheMargin)
         }
     }
     EXPECT_GT(open, 1000U);
+}
+
+TEST(ExtentReach, IsAsTightAsEachFavouredDirectionAllows)
+{
+    // dot(x, n) = dot(x, m) + dot(x, n - m) <= reach(m) + radius |n - m|, of either side of m.
+    Numbers numbers;
+    std::size_t told_by_one = 0;
+    for (int round = 0; round < 300; ++round) {
+        std::vector<Dir3> favoured;
+        for (std::size_t k = 0; k < Extent::most_favoured; ++k) {
+            favoured.push_back(numbers.direction());
+        }
+        Extent extent(favoured), of_lattice;
+        double radius = 0.0;
+        const double flatness = round % 2 == 0 ? 1e-3 : 1.0;
+        const Frame frame = frame_around(favoured[0]);
+        for (int k = 0; k < 20; ++k) {
+            const Vec3 place = frame.to_world(
+                {numbers.in(-1, 1), numbers.in(-1, 1), flatness * numbers.in(-1, 1)});
+            extent.add(place);
+            of_lattice.add(place);
+            radius = std::max(radius, length(place));
+        }
+        for (const Dir3 m : favoured) {
+            for (const double turn : {0.0, 1e-9, 1e-3, 0.03, 0.3}) {
+                for (const double side : {-1.0, 1.0}) {
+                    const Dir3 n = normalize(Vec3(m) * side + Vec3(numbers.direction()) * turn);
+                    const double bound =
+                        extent.reach(side > 0 ? m : -m) + radius * length(Vec3(n) - Vec3(m) * side);
+                    EXPECT_LE(extent.reach(n), bound + 1e-12);
+                    EXPECT_LE(extent.reach(n), of_lattice.reach(n));
+                    told_by_one += extent.reach(n) < of_lattice.reach(n) ? 1 : 0;
+                }
+            }
+        }
+    }
+    EXPECT_GT(told_by_one, 1000U);
 }
 
 TEST(OpenAbove, ADiscReachesAsFarAsItsTilt)

@@ -262,6 +262,18 @@ TEST(Draws, AMapsDirectionsAreThoseOfItsView)
     expect_the_views_sky(even, dome_of(even));
 }
 
+TEST(Draws, AMapsLampsAreFoundInTheDark)  // far from where the guides have one begin to look
+{
+    Image image{301, 40, {}, {}};
+    for (std::uint64_t i = 0; i < image.at(0, image.height); ++i) {
+        const bool is_lamp = uniform(5, i, 0, 0) < 0.01, is_black = i / 50 % 2 == 0;
+        const float L = is_lamp ? 1e5F : is_black ? 0.0F : 1.0F;
+        image.pixels.push_back({L, 0.01F * static_cast<float>(i) * L, L});
+    }
+    const EnvironmentLight sky{std::make_shared<const EnvironmentMap>(std::move(image)), 0.7};
+    expect_the_views_sky(sky, dome_of(sky));
+}
+
 TEST(Draws, ASkysDirectionsAreThoseOfItsView)
 {
     const SkyLight whole = make_sky(normalize({0.5, 0.7, 0.3}), 3.0);

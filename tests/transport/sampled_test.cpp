@@ -319,6 +319,24 @@ TEST(Sampled, AShiningFaceLightsAsTheRectangleInItsPlace)
     }
 }
 
+TEST(Sampled, ShiningFacesBelowTheHorizonGiveExactlyNothingButToReceiversOfBothSides)
+{
+    const Mesh faces = test::mesh_of({{-1, -1, 2}, {-1, 1, 2}, {1, 1, 2}}, {0, 1, 2});
+    const auto& p = faces.positions;
+    const MeshLight light{std::make_shared<const EmitterTable>(
+        std::vector<Emitter>{{{p[0], p[1], p[2]}, 0, {2, 1, 3}}})};
+    // Before its front: turned away, and half so, with a corner above the horizon.
+    const Meters meters(faces, {{0, 0, 0}, {0, 0, 0}}, {{0, 0, -1}, {1, 0, -0.3}});
+    for (const bool two_sided : {false, true}) {
+        Scene scene = scene_of({light_of(light)}, 256);
+        scene.transport.two_sided = two_sided;
+        const Column column = meters.read(scene);
+        EXPECT_EQ(column.E[0] > 0.0F, two_sided);
+        EXPECT_EQ(column.standard_error[0] > 0.0F, two_sided);
+        EXPECT_GT(column.E[3], 0.0F);
+    }
+}
+
 TEST(Sampled, FixedRadianceIsTheSameAtEveryScaleOfTheWorld)
 {
     const Mesh world = ball_over_floor();
