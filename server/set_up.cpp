@@ -233,7 +233,7 @@ std::optional<Error> load(const LightFile& file, Light& light, const std::vector
         return read_environment(attachment->read(), named, attachment->content_type,
                                 workshop.pixels, progress)
             .transform([](EnvironmentFile&& read) {
-                return SharedMap(std::make_shared<const EnvironmentMap>(std::move(read.image)));
+                return SharedMap(std::make_shared<const EnvironmentMap>(read.image));
             });
     });
     if (!map) { return std::move(map).error().at(file.pointer); }

@@ -18,7 +18,7 @@ std::shared_ptr<const EnvironmentMap> map_of(const std::vector<double>& values)
 {
     Image image{width, height, {}, {}};
     for (const double L : values) { image.pixels.push_back(to_float(Rgb::grey(L))); }
-    return std::make_shared<const EnvironmentMap>(std::move(image));
+    return std::make_shared<const EnvironmentMap>(image);
 }
 
 /// int cos dw of a row (of all its columns) about the zenith: pi (sin^2 below - sin^2 above).

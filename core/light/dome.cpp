@@ -212,11 +212,7 @@ Dome dome_of(const SkyLight& light)
 void sample(const Dome& dome, std::size_t count, DomeLanes& lanes)
 {
     alignas(64) Texels texels;
-    if (dome.map == nullptr && !dome.sun) {  // dark: anywhere
-        std::fill_n(lanes.x, count, 0.0);
-        std::fill_n(lanes.y, count, 1.0);
-        std::fill_n(lanes.z, count, 0.0);
-    } else if (dome.has_parts()) {
+    if (dome.has_parts()) {
         for (const bool of_sun : {false, true}) {
             Part part(lanes, count, dome.sun_share, of_sun);
             (of_sun ? draw_from_sun : draw_from_map)(dome, part.count(), part.directions());

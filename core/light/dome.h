@@ -42,7 +42,7 @@ struct DomeLanes {
 };
 /// Of the first `count` lanes: sample(view, s, pick), or look(view, wi) along directions that are
 /// there; in vectors where there is much to compute, and step by step where memory is slow.
-/// Test: Draws.ASkysDirections*
+/// A dark dome, which has neither map nor sun, is not drawn. Test: Draws.ASkysDirections*
 void sample(const Dome& dome, std::size_t count, DomeLanes& lanes);
 void look(const Dome& dome, std::size_t count, DomeLanes& lanes);
 
